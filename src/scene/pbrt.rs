@@ -28,10 +28,10 @@ use super::types::*;
 use crate::error::{Error, Result};
 use crate::printable::quote;
 use params::Params;
-use reader::{AS_THEY_ARE, Definition, Look, Medium, Reader, State};
-use tokens::{Place, Token, Tokens};
+use reader::{AS_THEY_ARE, Definition, Look, Reader, State};
+use tokens::{Notation, Place, Token, Tokens};
 
-/// How deep files include others, and how many there are.
+/// The most files that are open at a time, and that a scene includes.
 const DEEPEST: usize = 100;
 const MOST_FILES: usize = 1000;
 /// The most states that are kept at a time.
@@ -106,238 +106,174 @@ impl Run<'_> {
         let text = String::from_utf8(bytes).map_err(|_| whole("expected UTF-8 text".to_owned()))?;
         self.open.push(std::fs::canonicalize(path).unwrap_or(path.to_owned()));
         let mut tokens = Tokens::new(path, &text);
-        while let Some(token) = tokens.next()? {
-            let at = tokens.place();
-            let Token::Word(word) = token else {
-                return Err(at.error("scene", format!("expected a directive, found {}", token.words())));
-            };
-            let done = self.directive(word, &at, &mut tokens, progress);
-            let is_notation = matches!(done, Ok(false));
-            if is_notation || self.reader.findings.is_full() {
-                break;
+        while !self.reader.findings.is_full() {
+            match self.next(&mut tokens, progress) {
+                Ok(true) => {}
+                Ok(false) => break,
+                Err(Failure::OfDirective(error)) => self.reader.findings.refuse(error),
+                Err(Failure::OfNotation(error)) => {
+                    self.reader.findings.refuse(error);
+                    break;
+                }
             }
-            self.reader.findings.record(done);
         }
         self.open.pop();
         Ok(())
     }
 
-    /// Runs a directive. The result says whether the file can be read on.
-    fn directive(
-        &mut self,
-        word: &str,
-        at: &Place,
-        tokens: &mut Tokens<'_>,
-        progress: &mut OnProgress,
-    ) -> Result<bool> {
-        let stop = |run: &mut Self, error| {
-            run.reader.findings.refuse(error);
-            Ok(false)
+    /// Runs the next directive. The result says whether there was one.
+    fn next(&mut self, tokens: &mut Tokens<'_>, progress: &mut OnProgress) -> std::result::Result<bool, Failure> {
+        let Some(token) = tokens.next()? else { return Ok(false) };
+        let at = tokens.place();
+        let Token::Word(word) = token else {
+            return Err(at.notation("scene", format!("expected a directive, found {}", token.words())).into());
         };
-        // Errors of the notation end the file; those of a directive, once all of it is read, do not.
-        macro_rules! read {
-            ($what:expr) => {
-                match $what {
-                    Ok(found) => found,
-                    Err(error) => return stop(self, error),
-                }
-            };
-        }
-        let state = &mut self.reader.state;
         match word {
-            "Identity" => state.ctm = DAffine3::IDENTITY,
-            "Translate" => state.ctm *= DAffine3::from_translation(DVec3::from_array(read!(tokens.numbers(word)))),
-            "Scale" => state.ctm *= DAffine3::from_scale(DVec3::from_array(read!(tokens.numbers(word)))),
-            "Rotate" => {
-                let [angle, x, y, z] = read!(tokens.numbers(word));
-                let axis = DVec3::new(x, y, z).try_normalize();
-                let axis = axis.ok_or_else(|| at.error(word, "expected an axis that is not 0"))?;
-                state.ctm *= DAffine3::from_axis_angle(axis, angle.to_radians());
+            "Identity" | "Translate" | "Scale" | "Rotate" | "LookAt" | "Transform" | "ConcatTransform" => {
+                self.transform(word, &at, tokens)?;
             }
-            "LookAt" => {
-                let [a, b, c, d, e, f, g, h, i] = read!(tokens.numbers(word));
-                let found = look_at(DVec3::new(a, b, c), DVec3::new(d, e, f), DVec3::new(g, h, i));
-                state.ctm *= found.map_err(|message| at.error(word, message))?.inverse();
+            "AttributeBegin" | "TransformBegin" | "ObjectBegin" => self.begin(word, &at, tokens)?,
+            "AttributeEnd" | "TransformEnd" | "ObjectEnd" => self.end(word, &at)?,
+            "Include" | "Import" => self.include(word, &at, tokens, progress)?,
+            "WorldBegin" => self.begin_world()?,
+            "Attribute" => self.attribute(word, &at, tokens)?,
+            "Texture" => self.texture(word, &at, tokens)?,
+            "Camera" | "Film" | "Sampler" | "Integrator" | "PixelFilter" | "Accelerator" => {
+                let (kind, params) = kind_of(word, &at, tokens)?;
+                self.option(word, kind, params)?;
             }
-            "Transform" | "ConcatTransform" => {
-                let numbers: [f64; 16] = read!(tokens.numbers(word));
-                let matrix = DMat4::from_cols_array(&numbers);
-                if numbers[3] != 0.0 || numbers[7] != 0.0 || numbers[11] != 0.0 || numbers[15] != 1.0 {
-                    return Err(
-                        at.error(word, "expected 0 0 0 1 as its last row, which are the numbers 4, 8, 12 and 16")
-                    );
-                }
-                let given = DAffine3::from_mat4(matrix);
-                state.ctm = if word == "Transform" { given } else { state.ctm * given };
+            "Material" | "MakeNamedMaterial" | "MakeNamedMedium" | "Shape" | "LightSource" | "AreaLightSource" => {
+                let (kind, params) = kind_of(word, &at, tokens)?;
+                self.part(word, kind, params, progress)?;
             }
-            "ReverseOrientation" => state.is_reversed = !state.is_reversed,
-            "CoordinateSystem" => {
-                let name = read!(tokens.text(word, "its name"));
-                let ctm = state.ctm;
-                self.reader.systems.insert(name.to_owned(), ctm);
-            }
-            "CoordSysTransform" => {
-                let name = read!(tokens.text(word, "its name"));
-                let known = self.reader.systems.get(name).copied();
-                let missing = || at.error(word, format!("there is no coordinate system {}", quote(name)));
-                self.reader.state.ctm = known.ok_or_else(missing)?;
-            }
-            "AttributeBegin" | "TransformBegin" | "ObjectBegin" => {
-                let name = if word == "ObjectBegin" { Some(read!(tokens.text(word, "its name"))) } else { None };
-                if self.states.len() >= MOST_STATES {
-                    return Err(at.error(word, format!("expected at most {MOST_STATES} of them at a time")));
-                }
-                self.states.push((self.reader.state.clone(), at.clone()));
-                if let Some(name) = name {
-                    if self.reader.definition.is_some() {
-                        return Err(at.error(word, "expected no object inside another"));
-                    }
-                    self.reader.definition = Some(Definition { name: name.to_owned(), objects: Vec::new() });
-                }
-            }
-            "AttributeEnd" | "TransformEnd" | "ObjectEnd" => {
-                let begin = word.replace("End", "Begin");
-                let (before, _) =
-                    self.states.pop().ok_or_else(|| at.error(word, format!("expected {begin} before it")))?;
-                match word {
-                    "TransformEnd" => self.reader.state.ctm = before.ctm,
-                    _ => self.reader.state = before,
-                }
-                if word == "ObjectEnd" {
-                    let made = self
-                        .reader
-                        .definition
-                        .take()
-                        .ok_or_else(|| at.error(word, "expected ObjectBegin before it"))?;
-                    self.reader.definitions.insert(made.name, made.objects);
-                }
-            }
-            "ObjectInstance" => {
-                let name = read!(tokens.text(word, "its name"));
-                self.reader.instance(name, at)?;
-            }
-            "NamedMaterial" => {
-                let name = read!(tokens.text(word, "its name"));
-                let missing = || at.error(word, format!("there is no material {} above", quote(name)));
-                self.reader.state.look = *self.reader.named_looks.get(name).ok_or_else(missing)?;
-            }
-            "MediumInterface" => {
-                let inside = read!(tokens.text(word, "the name of a medium"));
-                let outside =
-                    if let Some(Token::Text(_)) = read!(tokens.peek()) { read!(tokens.text(word, "")) } else { inside };
-                self.reader.state.inside = inside.to_owned();
-                if !outside.is_empty() && outside != inside {
-                    self.reader.lose(at, word, "the medium outside is not used: media are where their shapes are");
-                }
-            }
-            "Include" | "Import" => {
-                let name = read!(tokens.text(word, "a file"));
-                let path = self.reader.resolve(name, at);
-                if self.open.contains(&std::fs::canonicalize(&path).unwrap_or(path.clone())) {
-                    return Err(at.error(word, format!("{} includes itself: expected no circle", path.display())));
-                }
-                if self.open.len() > DEEPEST || self.reader.files.len() >= MOST_FILES {
-                    return Err(at.error(word, format!("expected at most {MOST_FILES} files, {DEEPEST} in each other")));
-                }
-                self.reader.files.push(path.clone());
-                self.file(&path, progress).map_err(|error| match error {
-                    Error::Scene { location, message, .. } if location.line == 0 => at.error(word, message),
-                    other => other,
-                })?;
-            }
-            "WorldBegin" => {
-                self.reader.in_world = true;
-                if let Some((kind, params, ctm)) = self.camera.take() {
-                    self.reader.state.ctm = ctm;
-                    let made = camera::camera(&kind, &params, &mut self.reader);
-                    self.reader.state.ctm = DAffine3::IDENTITY;
-                    made?;
-                }
-                self.reader.state.ctm = DAffine3::IDENTITY;
-                self.reader.systems.insert("world".to_owned(), DAffine3::IDENTITY);
-            }
-            "WorldEnd" => {}
-            "ColorSpace" => {
-                let name = read!(tokens.text(word, "its name"));
-                if name != "srgb" {
-                    return Err(at.error(word, format!("expected srgb, found {}", quote(name))));
-                }
-            }
-            "Option" => _ = read!(Params::read(word.to_owned(), at.clone(), tokens)),
-            "Attribute" => {
-                let target = read!(tokens.text(word, "what the parameters are of"));
-                let params = read!(Params::read(format!("{word} {target}"), at.clone(), tokens));
-                let known =
-                    ["shape", "light", "material", "medium", "texture"].into_iter().find(|known| *known == target);
-                let expected = "expected shape, light, material, medium or texture";
-                let known = known.ok_or_else(|| at.error(word, expected))?;
-                self.reader.state.defaults.entry(known).or_default().extend(params.into_defaults());
-            }
-            "Texture" => {
-                let name = read!(tokens.text(word, "its name"));
-                let kind = read!(tokens.text(word, "float or spectrum"));
-                let class = read!(tokens.text(word, "its kind"));
-                let params = read!(Params::read(format!("{word} {class}"), at.clone(), tokens));
-                let params = params.with_defaults(self.defaults("texture"));
-                if !["float", "spectrum"].contains(&kind) {
-                    return Err(params.error(format!("expected float or spectrum, found {}", quote(kind))));
-                }
-                let is_colour = kind == "spectrum";
-                let found = material::texture(class, is_colour, &params, &mut self.reader)?;
-                self.reader.textures.insert((is_colour, name.to_owned()), found);
-            }
-            _ => return self.with_params(word, at, tokens, progress),
+            _ => self.other(word, &at, tokens)?,
         }
         Ok(true)
+    }
+
+    fn transform(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>) -> Step {
+        let ctm = &mut self.reader.state.ctm;
+        match word {
+            "Identity" => *ctm = DAffine3::IDENTITY,
+            "Translate" => *ctm *= DAffine3::from_translation(DVec3::from_array(tokens.numbers(word)?)),
+            "Scale" => *ctm *= DAffine3::from_scale(DVec3::from_array(tokens.numbers(word)?)),
+            "Rotate" => {
+                let [angle, x, y, z] = tokens.numbers(word)?;
+                let axis = DVec3::new(x, y, z).try_normalize();
+                let axis = axis.ok_or_else(|| at.error(word, "expected an axis that is not 0"))?;
+                *ctm *= DAffine3::from_axis_angle(axis, angle.to_radians());
+            }
+            "LookAt" => {
+                let [a, b, c, d, e, f, g, h, i] = tokens.numbers(word)?;
+                let found = look_at(DVec3::new(a, b, c), DVec3::new(d, e, f), DVec3::new(g, h, i));
+                *ctm *= found.map_err(|message| at.error(word, message))?.inverse();
+            }
+            _ => {
+                let numbers: [f64; 16] = tokens.numbers(word)?;
+                if [numbers[3], numbers[7], numbers[11], numbers[15]] != [0.0, 0.0, 0.0, 1.0] {
+                    let message = "expected 0 0 0 1 as its last row, which are the numbers 4, 8, 12 and 16";
+                    return Err(at.error(word, message).into());
+                }
+                let given = DAffine3::from_mat4(DMat4::from_cols_array(&numbers));
+                *ctm = if word == "Transform" { given } else { *ctm * given };
+            }
+        }
+        Ok(())
+    }
+
+    fn begin(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>) -> Step {
+        let name = if word == "ObjectBegin" { Some(tokens.text(word, "its name")?) } else { None };
+        if self.states.len() >= MOST_STATES {
+            return Err(at.error(word, format!("expected at most {MOST_STATES} of them at a time")).into());
+        }
+        self.states.push((self.reader.state.clone(), at.clone()));
+        if let Some(name) = name {
+            let outer = self.reader.definition.replace(Definition { name: name.to_owned(), objects: Vec::new() });
+            if outer.is_some() {
+                self.reader.definition = outer;
+                return Err(at.error(word, "expected no object inside another").into());
+            }
+        }
+        Ok(())
+    }
+
+    fn end(&mut self, word: &str, at: &Place) -> Step {
+        let missing = || at.error(word, format!("expected {} before it", word.replace("End", "Begin")));
+        let (before, _) = self.states.pop().ok_or_else(missing)?;
+        match word {
+            "TransformEnd" => self.reader.state.ctm = before.ctm,
+            _ => self.reader.state = before,
+        }
+        if word == "ObjectEnd" {
+            let made = self.reader.definition.take().ok_or_else(missing)?;
+            self.reader.definitions.insert(made.name, made.objects);
+        }
+        Ok(())
+    }
+
+    fn include(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>, progress: &mut OnProgress) -> Step {
+        let name = tokens.text(word, "a file")?;
+        let path = self.reader.resolve(name, at);
+        if self.open.contains(&std::fs::canonicalize(&path).unwrap_or(path.clone())) {
+            let message = format!("{} includes itself: expected no circle", path.display());
+            return Err(at.error(word, message).into());
+        }
+        if self.open.len() > DEEPEST || self.reader.files.len() >= MOST_FILES {
+            let message = format!("expected at most {MOST_FILES} files, {DEEPEST} in each other");
+            return Err(at.error(word, message).into());
+        }
+        self.reader.files.push(path.clone());
+        let read = self.file(&path, progress).map_err(|error| match error {
+            Error::Scene { location, message, .. } if location.line == 0 => at.error(word, message),
+            other => other,
+        });
+        Ok(read?)
+    }
+
+    fn begin_world(&mut self) -> Step {
+        self.reader.in_world = true;
+        let camera = self.camera.take();
+        let made = camera.map_or(Ok(()), |(kind, params, ctm)| {
+            self.reader.state.ctm = ctm;
+            camera::camera(&kind, &params, &mut self.reader)
+        });
+        self.reader.state.ctm = DAffine3::IDENTITY;
+        self.reader.systems.insert("world".to_owned(), DAffine3::IDENTITY);
+        Ok(made?)
+    }
+
+    fn attribute(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>) -> Step {
+        let target = tokens.text(word, "what the parameters are of")?;
+        let params = Params::read(format!("{word} {target}"), at.clone(), tokens)?;
+        let known = ["shape", "light", "material", "texture"].into_iter().find(|known| *known == target);
+        let known = known.ok_or_else(|| at.error(word, "expected shape, light, material or texture"))?;
+        self.reader.state.defaults.entry(known).or_default().extend(params.into_defaults());
+        Ok(())
+    }
+
+    fn texture(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>) -> Step {
+        let (name, kind) = (tokens.text(word, "its name")?, tokens.text(word, "float or spectrum")?);
+        let (class, params) = kind_of(word, at, tokens)?;
+        let params = params.with_defaults(self.defaults("texture"));
+        if !["float", "spectrum"].contains(&kind) {
+            return Err(params.error(format!("expected float or spectrum, found {}", quote(kind))).into());
+        }
+        let is_colour = kind == "spectrum";
+        let found = material::texture(class, is_colour, &params, &mut self.reader)?;
+        self.reader.textures.insert((is_colour, name.to_owned()), found);
+        Ok(())
     }
 
     fn defaults(&self, target: &str) -> &[params::Param] {
         self.reader.state.defaults.get(target).map_or(&[], Vec::as_slice)
     }
 
-    /// Runs a directive of a kind with parameters.
-    fn with_params(
-        &mut self,
-        word: &str,
-        at: &Place,
-        tokens: &mut Tokens<'_>,
-        progress: &mut OnProgress,
-    ) -> Result<bool> {
-        const KNOWN: &[&str] = &[
-            "Camera",
-            "Film",
-            "Sampler",
-            "Integrator",
-            "PixelFilter",
-            "Accelerator",
-            "Material",
-            "MakeNamedMaterial",
-            "MakeNamedMedium",
-            "Shape",
-            "LightSource",
-            "AreaLightSource",
-        ];
-        if !KNOWN.contains(&word) {
-            self.reader.findings.refuse(at.error(word, "this directive is not read"));
-            return Ok(false);
-        }
-        let read = tokens.text(word, "its kind in quotes").and_then(|kind| {
-            let params = Params::read(format!("{word} {kind}"), at.clone(), tokens)?;
-            Ok((kind, params))
-        });
-        let (kind, params) = match read {
-            Ok(read) => read,
-            Err(error) => {
-                self.reader.findings.refuse(error);
-                return Ok(false);
-            }
-        };
-        let of_options = ["Camera", "Film", "Sampler", "Integrator", "PixelFilter", "Accelerator"].contains(&word);
-        if of_options == self.reader.in_world {
-            let place = if of_options { "before" } else { "behind" };
-            return Err(params.error(format!("expected it {place} WorldBegin")));
-        }
+    /// Runs a directive that stands before the world.
+    fn option(&mut self, word: &str, kind: &str, params: Params) -> Step {
         let reader = &mut self.reader;
+        if reader.in_world {
+            return Err(params.error("expected it before WorldBegin").into());
+        }
         match word {
             "Camera" => {
                 reader.systems.insert("camera".to_owned(), reader.state.ctm.inverse());
@@ -346,71 +282,121 @@ impl Run<'_> {
             "Film" => camera::film(kind, &params, reader)?,
             "Sampler" => camera::sampler(&params, reader)?,
             "Integrator" => camera::integrator(kind, &params, reader)?,
-            "PixelFilter" if kind == "box" => {}
-            "PixelFilter" => {
-                reader.lose(at, &params.title, "this filter is not used: --filter chooses one");
+            "PixelFilter" if kind != "box" => {
+                reader.lose(&params.at, &params.title, "this filter is not used: --filter chooses one");
             }
-            "Accelerator" => {}
-            "Material" => {
-                let params = params.with_defaults(reader.state.defaults.get("material").map_or(&[], Vec::as_slice));
-                let made = material::material(kind, &params, reader)?;
-                reader.looks.push(Look {
-                    material: made,
-                    mapping: reader.mapping.take().unwrap_or(AS_THEY_ARE),
-                    name: kind.to_owned(),
-                    at: at.clone(),
-                });
-                reader.state.look = reader.looks.len() - 1;
-            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Runs a directive that makes a part of the world.
+    fn part(&mut self, word: &str, kind: &str, params: Params, progress: &mut OnProgress) -> Step {
+        if !self.reader.in_world {
+            return Err(params.error("expected it behind WorldBegin").into());
+        }
+        let target = match word {
+            "Material" => "material",
+            "LightSource" | "AreaLightSource" => "light",
+            "Shape" => "shape",
+            _ => "",
+        };
+        let params = params.with_defaults(self.defaults(target));
+        let reader = &mut self.reader;
+        match word {
+            "Material" => reader.state.look = look(kind, kind, &params, reader)?,
             "MakeNamedMaterial" => {
                 let class = params.word("type")?.ok_or_else(|| params.error("expected its type"))?;
-                let made = material::material(class, &params, reader)?;
-                reader.looks.push(Look {
-                    material: made,
-                    mapping: reader.mapping.take().unwrap_or(AS_THEY_ARE),
-                    name: kind.to_owned(),
-                    at: at.clone(),
-                });
-                reader.named_looks.insert(kind.to_owned(), reader.looks.len() - 1);
+                let made = look(class, kind, &params, reader)?;
+                reader.named_looks.insert(kind.to_owned(), made);
             }
             "MakeNamedMedium" => {
-                if params.word("type")?.unwrap_or("homogeneous") != "homogeneous" {
-                    return Err(params.error_at("type", "expected homogeneous: other media are not read"));
-                }
-                let scale = params.number_or("scale", 1.0)?;
-                // Without them, pbrt's medium is that of its measurements of skin.
-                let (Some(absorbed), Some(scattered)) = (params.colour("sigma_a")?, params.colour("sigma_s")?) else {
-                    return Err(params.error("expected sigma_a and sigma_s"));
-                };
-                let extinction = scale * (absorbed + scattered);
-                let share = |scattered: f64, all: f64| if all > 0.0 { scale * scattered / all } else { 0.0 };
-                let albedo = Colour::new(
-                    share(scattered.x, extinction.x),
-                    share(scattered.y, extinction.y),
-                    share(scattered.z, extinction.z),
-                );
-                let medium = Medium { extinction, albedo, anisotropy: params.number_or("g", 0.0)?, at: at.clone() };
-                reader.end(&params);
-                reader.media.insert(kind.to_owned(), medium);
+                let made = light::medium(&params, reader)?;
+                reader.media.insert(kind.to_owned(), made);
             }
-            "LightSource" => {
-                let params = params.with_defaults(reader.state.defaults.get("light").map_or(&[], Vec::as_slice));
-                light::light(kind, &params, reader)?;
-            }
+            "LightSource" => light::light(kind, &params, reader)?,
             "AreaLightSource" => {
-                if kind != "diffuse" {
-                    return Err(params.error("this area light is not read: expected diffuse"));
-                }
-                let params = params.with_defaults(reader.state.defaults.get("light").map_or(&[], Vec::as_slice));
-                let area = light::area(params, reader)?;
+                let area = light::area(kind, params, reader)?;
                 reader.areas.push(area);
                 reader.state.area = Some(reader.areas.len() - 1);
             }
-            _ => {
-                let params = params.with_defaults(reader.state.defaults.get("shape").map_or(&[], Vec::as_slice));
-                shape::shape(kind, &params, progress, reader)?;
-            }
+            _ => shape::shape(kind, &params, progress, reader)?,
         }
-        Ok(true)
+        Ok(())
     }
+
+    fn other(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>) -> Step {
+        let reader = &mut self.reader;
+        match word {
+            "ReverseOrientation" => reader.state.is_reversed = !reader.state.is_reversed,
+            "CoordinateSystem" => {
+                let name = tokens.text(word, "its name")?;
+                reader.systems.insert(name.to_owned(), reader.state.ctm);
+            }
+            "CoordSysTransform" => {
+                let name = tokens.text(word, "its name")?;
+                let missing = || at.error(word, format!("there is no coordinate system {}", quote(name)));
+                reader.state.ctm = *reader.systems.get(name).ok_or_else(missing)?;
+            }
+            "ObjectInstance" => reader.instance(tokens.text(word, "its name")?, at)?,
+            "NamedMaterial" => {
+                let name = tokens.text(word, "its name")?;
+                let missing = || at.error(word, format!("there is no material {} above", quote(name)));
+                reader.state.look = *reader.named_looks.get(name).ok_or_else(missing)?;
+            }
+            "MediumInterface" => {
+                let inside = tokens.text(word, "the name of a medium")?;
+                let has_outside = matches!(tokens.peek()?, Some(Token::Text(_)));
+                let outside = if has_outside { tokens.text(word, "a name")? } else { inside };
+                reader.state.inside = inside.to_owned();
+                if !outside.is_empty() && outside != inside {
+                    reader.lose(at, word, "the medium outside is not used: media are where their shapes are");
+                }
+            }
+            "ColorSpace" => {
+                let name = tokens.text(word, "its name")?;
+                if name != "srgb" {
+                    return Err(at.error(word, format!("expected srgb, found {}", quote(name))).into());
+                }
+            }
+            "Option" => _ = Params::read(word.to_owned(), at.clone(), tokens)?,
+            "WorldEnd" => {}
+            _ => return Err(at.notation(word, "this directive is not read").into()),
+        }
+        Ok(())
+    }
+}
+
+/// Why a directive was not run: by itself, or because it cannot be read, nor what comes behind it.
+enum Failure {
+    OfDirective(Error),
+    OfNotation(Error),
+}
+
+type Step = std::result::Result<(), Failure>;
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Failure {
+        Failure::OfDirective(error)
+    }
+}
+
+impl From<Notation> for Failure {
+    fn from(Notation(error): Notation) -> Failure {
+        Failure::OfNotation(error)
+    }
+}
+
+/// The kind of a directive, and its parameters.
+fn kind_of<'t>(word: &str, at: &Place, tokens: &mut Tokens<'t>) -> tokens::Result<(&'t str, Params)> {
+    let kind = tokens.text(word, "its kind in quotes")?;
+    Ok((kind, Params::read(format!("{word} {kind}"), at.clone(), tokens)?))
+}
+
+/// The index of a new material.
+fn look(class: &str, name: &str, params: &Params, reader: &mut Reader) -> Result<usize> {
+    let material = material::material(class, params, reader)?;
+    let mapping = reader.mapping.take().unwrap_or(AS_THEY_ARE);
+    reader.looks.push(Look { material, mapping, name: name.to_owned(), at: params.at.clone() });
+    Ok(reader.looks.len() - 1)
 }

@@ -3,26 +3,10 @@
 use glam::DVec3;
 
 use super::params::Params;
-use super::reader::Reader;
+use super::reader::{Film, Reader};
 use crate::error::Result;
 use crate::printable::quote;
 use crate::scene::types::{Camera, ImageSize, Projection};
-
-/// The film, whose image may be a part of it.
-pub struct Film {
-    pub width: f64,
-    pub height: f64,
-    /// Left, right, top and bottom.
-    crop: [f64; 4],
-    /// What radiance is multiplied by.
-    pub scale: f64,
-}
-
-impl Default for Film {
-    fn default() -> Film {
-        Film { width: 1280.0, height: 720.0, crop: [0.0, 1280.0, 0.0, 720.0], scale: 1.0 }
-    }
-}
 
 pub fn film(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
     if !["rgb", "gbuffer"].contains(&kind) {

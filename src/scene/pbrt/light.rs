@@ -3,17 +3,10 @@
 use glam::DVec3;
 
 use super::params::{Params, Spectrum};
-use super::reader::Reader;
+use super::reader::{Area, Medium, Reader};
 use crate::error::Result;
 use crate::printable::quote;
 use crate::scene::types::{Background, Colour, Falloff, Object};
-
-/// An area light of the shapes that come next.
-pub struct Area {
-    pub radiance: Colour,
-    pub is_two_sided: bool,
-    pub params: Params,
-}
 
 /// The light of a parameter, times its `scale` and that of the film. Without it, that of the colour space's white.
 fn emitted(params: &Params, name: &str, reader: &Reader) -> Result<Colour> {
@@ -35,14 +28,17 @@ fn emitted(params: &Params, name: &str, reader: &Reader) -> Result<Colour> {
     Ok(colour * (params.number_or("scale", 1.0)? * reader.film.scale))
 }
 
-pub fn area(params: Params, reader: &mut Reader) -> Result<Area> {
+pub fn area(kind: &str, params: Params, reader: &mut Reader) -> Result<Area> {
+    if kind != "diffuse" {
+        return Err(params.error("this area light is not read: expected diffuse"));
+    }
     let radiance = emitted(&params, "L", reader)?;
     if params.has("filename") {
         return Err(params.error_at("filename", "an image of an area light is not read"));
     }
     let is_two_sided = params.flag_or("twosided", false)?;
     reader.end(&params);
-    Ok(Area { radiance, is_two_sided, params })
+    Ok(Area { radiance, is_two_sided, at: params.at })
 }
 
 pub fn light(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
@@ -79,4 +75,25 @@ pub fn light(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
     reader.end(params);
     reader.add_object(object, &params.at);
     Ok(())
+}
+
+/// The medium of a directive.
+pub fn medium(params: &Params, reader: &mut Reader) -> Result<Medium> {
+    if params.word("type")?.unwrap_or("homogeneous") != "homogeneous" {
+        return Err(params.error_at("type", "expected homogeneous: other media are not read"));
+    }
+    let scale = params.number_or("scale", 1.0)?;
+    let (Some(absorbed), Some(scattered)) = (params.colour("sigma_a")?, params.colour("sigma_s")?) else {
+        return Err(params.error("expected sigma_a and sigma_s"));
+    };
+    let extinction = absorbed + scattered;
+    let share = |scattered: f64, all: f64| if all > 0.0 { scattered / all } else { 0.0 };
+    let albedo = Colour::new(
+        share(scattered.x, extinction.x),
+        share(scattered.y, extinction.y),
+        share(scattered.z, extinction.z),
+    );
+    let anisotropy = params.number_or("g", 0.0)?;
+    reader.end(params);
+    Ok(Medium { extinction: scale * extinction, albedo, anisotropy, at: params.at.clone() })
 }

@@ -40,58 +40,8 @@ pub fn material(kind: &str, params: &Params, reader: &mut Reader) -> Result<Opti
     let found = match kind {
         "" | "none" | "interface" => None,
         "diffuse" => Some(lambertian(texture_or(params, "reflectance", 0.5, reader)?)),
-        "coateddiffuse" => {
-            for (name, usual) in [("thickness", 0.01), ("g", 0.0)] {
-                if params.number_or(name, usual)? != usual {
-                    reader.lose(
-                        params.place_of(name),
-                        &params.title,
-                        &format!("its {name} is not used: nothing lies in its layer"),
-                    );
-                }
-            }
-            params.ignore(&["maxdepth", "nsamples"]);
-            if params.colour("albedo")?.is_some_and(|albedo| albedo != Colour::ZERO) {
-                reader.lose(
-                    params.place_of("albedo"),
-                    &params.title,
-                    "its albedo is not used: nothing lies in its layer",
-                );
-            }
-            Some(Material::Plastic(Plastic {
-                diffuse: texture_or(params, "reflectance", 0.5, reader)?,
-                ior: index(params, reader)?,
-                roughness: Facets::of(params, reader)?.plain(params)?,
-                nonlinear: true,
-                ..Plastic::default()
-            }))
-        }
-        "diffusetransmission" => {
-            let scale = params.number_or("scale", 1.0)?;
-            let share = |name| match texture_or(params, name, 0.25, reader)? {
-                Texture::Rgb(r, g, b) => Ok(scale * Colour::new(r, g, b)),
-                _ => Err(params.error_at(name, "a texture of diffusetransmission is not read")),
-            };
-            let (reflected, passed) = (share("reflectance")?, share("transmittance")?);
-            let (of_reflected, of_passed) = (reflected.max_element(), passed.max_element());
-            let sum = of_reflected + of_passed;
-            if sum > 1.0 {
-                return Err(params
-                    .error(format!("expected a reflectance and a transmittance of 1 at most together, found {sum}")));
-            }
-            // Of what the body scatters, this share passes.
-            let through = if sum > 0.0 { of_passed / sum } else { 0.0 };
-            let over = |colour: Colour, share: f64| if share > 0.0 { colour / share } else { Colour::ZERO };
-            let (base, far) = (over(reflected, 1.0 - through), over(passed, through));
-            Some(Material::Pbr(Pbr {
-                base_color: Texture::Rgb(base.x, base.y, base.z),
-                metallic: Texture::grey(0.0),
-                specular: Texture::grey(0.0),
-                diffuse_transmission: Texture::grey(through),
-                diffuse_transmission_color: Texture::Rgb(far.x, far.y, far.z),
-                ..Pbr::default()
-            }))
-        }
+        "coateddiffuse" => Some(coated(params, reader)?),
+        "diffusetransmission" => Some(translucent(params, reader)?),
         "dielectric" => {
             let (ior, facets) = (index(params, reader)?, Facets::of(params, reader)?);
             Some(match facets.is_smooth() {
@@ -120,6 +70,59 @@ pub fn material(kind: &str, params: &Params, reader: &mut Reader) -> Result<Opti
 
 pub fn lambertian(albedo: Texture) -> Material {
     Material::Lambertian(Lambertian { albedo, ..Lambertian::default() })
+}
+
+/// A matt body under a layer.
+fn coated(params: &Params, reader: &mut Reader) -> Result<Material> {
+    for (name, usual) in [("thickness", 0.01), ("g", 0.0)] {
+        if params.number_or(name, usual)? != usual {
+            reader.lose(
+                params.place_of(name),
+                &params.title,
+                &format!("its {name} is not used: nothing lies in its layer"),
+            );
+        }
+    }
+    params.ignore(&["maxdepth", "nsamples"]);
+    if params.colour("albedo")?.is_some_and(|albedo| albedo != Colour::ZERO) {
+        reader.lose(params.place_of("albedo"), &params.title, "its albedo is not used: nothing lies in its layer");
+    }
+    Ok(Material::Plastic(Plastic {
+        diffuse: texture_or(params, "reflectance", 0.5, reader)?,
+        ior: index(params, reader)?,
+        roughness: Facets::of(params, reader)?.plain(params)?,
+        nonlinear: true,
+        ..Plastic::default()
+    }))
+}
+
+/// A matt body that lets light pass.
+fn translucent(params: &Params, reader: &mut Reader) -> Result<Material> {
+    let scale = params.number_or("scale", 1.0)?;
+    let share = |name| match texture_or(params, name, 0.25, reader)? {
+        Texture::Rgb(r, g, b) => Ok(scale * Colour::new(r, g, b)),
+        _ => Err(params.error_at(name, "a texture of diffusetransmission is not read")),
+    };
+    let (reflected, passed) = (share("reflectance")?, share("transmittance")?);
+    let (of_reflected, of_passed) = (reflected.max_element(), passed.max_element());
+    let sum = of_reflected + of_passed;
+    if sum > 1.0 {
+        return Err(
+            params.error(format!("expected a reflectance and a transmittance of 1 at most together, found {sum}"))
+        );
+    }
+    // The share that passes of all that the body scatters.
+    let through = if sum > 0.0 { of_passed / sum } else { 0.0 };
+    let over = |colour: Colour, share: f64| if share > 0.0 { colour / share } else { Colour::ZERO };
+    let (base, far) = (over(reflected, 1.0 - through), over(passed, through));
+    Ok(Material::Pbr(Pbr {
+        base_color: Texture::Rgb(base.x, base.y, base.z),
+        metallic: Texture::grey(0.0),
+        specular: Texture::grey(0.0),
+        diffuse_transmission: Texture::grey(through),
+        diffuse_transmission_color: Texture::Rgb(far.x, far.y, far.z),
+        ..Pbr::default()
+    }))
 }
 
 fn conductor(params: &Params, reader: &mut Reader) -> Result<Material> {

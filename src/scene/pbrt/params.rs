@@ -4,7 +4,7 @@ use std::cell::Cell;
 
 use glam::{DVec2, DVec3};
 
-use super::tokens::{Place, Token, Tokens, number_of};
+use super::tokens::{self, Place, Token, Tokens, number_of};
 use crate::error::{Error, Result};
 use crate::printable::{counted, quote};
 use crate::scene::mitsuba::spectrum;
@@ -28,7 +28,7 @@ pub struct Param {
 /// The parameters of a directive.
 #[derive(Clone, Debug)]
 pub struct Params {
-    /// What they are of: "Shape sphere".
+    /// The directive with its kind: "Shape sphere".
     pub title: String,
     pub at: Place,
     all: Vec<Param>,
@@ -48,17 +48,17 @@ pub enum Spectrum {
 
 impl Params {
     /// Reads the parameters that come next.
-    pub fn read(title: String, at: Place, tokens: &mut Tokens<'_>) -> Result<Params> {
+    pub fn read(title: String, at: Place, tokens: &mut Tokens<'_>) -> tokens::Result<Params> {
         let mut all: Vec<Param> = Vec::new();
         while let Some(Token::Text(declared)) = tokens.peek()? {
             tokens.next()?;
             let at = tokens.place();
             let mut words = declared.split_ascii_whitespace();
             let (Some(kind), Some(name), None) = (words.next(), words.next(), words.next()) else {
-                return Err(at.error(&title, format!("expected \"type name\", found {}", quote(declared))));
+                return Err(at.notation(&title, format!("expected \"type name\", found {}", quote(declared))));
             };
             if all.iter().any(|known| known.name == name) {
-                return Err(at.error(&title, format!("{name} is given twice")));
+                return Err(at.notation(&title, format!("{name} is given twice")));
             }
             let values = values(&format!("{title}.{name}"), tokens)?;
             all.push(Param { kind: kind.to_owned(), name: name.to_owned(), values, at, used: Cell::new(false) });
@@ -269,7 +269,7 @@ impl Params {
 }
 
 /// The value of a parameter: one, or several in brackets.
-fn values(what: &str, tokens: &mut Tokens<'_>) -> Result<Values> {
+fn values(what: &str, tokens: &mut Tokens<'_>) -> tokens::Result<Values> {
     let expected = "a value, or several in brackets";
     let first = tokens.expect(what, expected)?;
     let is_list = first == Token::Open;
@@ -283,7 +283,7 @@ fn values(what: &str, tokens: &mut Tokens<'_>) -> Result<Values> {
                 Some(number) => numbers.push(number),
                 None => {
                     let message = format!("expected {expected}, found {}", token.words());
-                    return Err(tokens.place().error(what, message));
+                    return Err(tokens.place().notation(what, message));
                 }
             },
         }
@@ -293,10 +293,10 @@ fn values(what: &str, tokens: &mut Tokens<'_>) -> Result<Values> {
         token = tokens.expect(what, "]")?;
     }
     match (words.is_empty(), numbers.is_empty()) {
-        (false, false) => Err(tokens.place().error(what, "expected numbers or texts, found both")),
+        (false, false) => Err(tokens.place().notation(what, "expected numbers or texts, found both")),
         (false, true) => Ok(Values::Words(words)),
         (true, _) if !is_list && numbers.is_empty() => {
-            Err(tokens.place().error(what, format!("expected {expected}, found ]")))
+            Err(tokens.place().notation(what, format!("expected {expected}, found ]")))
         }
         (true, _) => Ok(Values::Numbers(numbers)),
     }

@@ -1,4 +1,4 @@
-//! What the directives of a scene have become so far, and what was said about them.
+//! The state of a run through the directives: what they have made so far, and what was said about them.
 
 use std::cell::Cell;
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -7,7 +7,6 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec2};
 
-use super::light::Area;
 use super::params::{Param, Params};
 use super::tokens::Place;
 use crate::error::{Location, Result};
@@ -28,13 +27,30 @@ pub struct Look {
     pub at: Place,
 }
 
+/// An area light of the shapes that come next.
+pub struct Area {
+    pub radiance: Colour,
+    pub is_two_sided: bool,
+    pub at: Place,
+}
+
+/// The film, whose image may be a part of it.
+pub struct Film {
+    pub width: f64,
+    pub height: f64,
+    /// Left, right, top and bottom.
+    pub crop: [f64; 4],
+    /// The factor of radiance.
+    pub scale: f64,
+}
+
 /// The texture coordinates of a surface: the scale of u and v, and what is added then.
 pub type Mapping = [DVec2; 2];
 
-/// Those of the shape itself.
+/// The mapping that changes nothing.
 pub const AS_THEY_ARE: Mapping = [DVec2::ONE, DVec2::ZERO];
 
-/// What holds for the shapes and lights that come next.
+/// The state for the shapes and lights that come next.
 #[derive(Clone)]
 pub struct State {
     pub ctm: DAffine3,
@@ -52,7 +68,6 @@ pub struct State {
 /// The shapes of an object that instances show.
 pub struct Definition {
     pub name: String,
-    /// The transform from the object to the world where it is defined.
     pub objects: Vec<Object>,
 }
 
@@ -92,7 +107,7 @@ pub struct Reader<'a> {
     pub findings: Findings,
     pub camera: Option<Camera>,
     pub image: ImageSize,
-    pub film: super::camera::Film,
+    pub film: Film,
     pub samples: u32,
     pub max_depth: u32,
     pub background: Option<Background>,
@@ -150,7 +165,7 @@ impl<'a> Reader<'a> {
             findings: Findings::default(),
             camera: None,
             image: ImageSize { width: 1280, height: 720 },
-            film: super::camera::Film::default(),
+            film: Film { width: 1280.0, height: 720.0, crop: [0.0, 1280.0, 0.0, 720.0], scale: 1.0 },
             samples: 16,
             max_depth: 5,
             background: None,

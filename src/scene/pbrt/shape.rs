@@ -63,7 +63,7 @@ pub fn shape(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mu
         _ => return Err(params.error(format!("this shape is not read: expected one of {KNOWN}"))),
     };
     reader.end(params);
-    // What only absorbs is the glass's own.
+    // Glass has the absorption of a medium that scatters nothing.
     let inside = inside.filter(|medium| !(medium.albedo == Colour::ZERO && is_glass(reader)));
     if let Some(medium) = inside {
         let boundary = without_material(object.clone());
@@ -98,7 +98,7 @@ fn surface(params: &Params, inside: Option<&Medium>, reader: &mut Reader) -> Res
     let look = &reader.looks[key.0];
     let (found, name, at) = (look.material.clone(), look.name.clone(), look.at.clone());
     let area = key.1.and_then(|area| reader.areas.get(area));
-    let light = area.map(|area| (area.radiance, area.is_two_sided, area.params.at.clone()));
+    let light = area.map(|area| (area.radiance, area.is_two_sided, area.at.clone()));
     let found = match (found, absorption) {
         (Some(Material::Dielectric(own)), Some(_)) => Some(Material::Dielectric(Dielectric { absorption, ..own })),
         (Some(Material::RoughDielectric(own)), Some(_)) => {

@@ -4,10 +4,10 @@ use std::cell::Cell;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::error::{Error, Location, Result};
+use crate::error::{Error, Location};
 use crate::printable::quote;
 
-/// Where a word begins.
+/// The begin of a word.
 #[derive(Clone, Debug)]
 pub struct Place {
     pub file: Arc<Path>,
@@ -23,7 +23,16 @@ impl Place {
     pub fn error(&self, what: &str, message: impl Into<String>) -> Error {
         Error::Scene { location: self.location(), field: what.to_owned(), message: message.into() }
     }
+
+    pub fn notation(&self, what: &str, message: impl Into<String>) -> Notation {
+        Notation(self.error(what, message))
+    }
 }
+
+/// An error of the notation, behind which a file cannot be read on.
+pub struct Notation(pub Error);
+
+pub type Result<T> = std::result::Result<T, Notation>;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Token<'t> {
@@ -52,7 +61,7 @@ pub struct Tokens<'t> {
     at: usize,
     line: u32,
     line_start: usize,
-    /// Where the latest token begins.
+    /// The begin of the latest token: its line, where that begins, and its own byte.
     begin: Cell<(u32, usize, usize)>,
 }
 
@@ -109,7 +118,7 @@ impl<'t> Tokens<'t> {
                 let inner = rest.get(1..).unwrap_or_default();
                 let end = inner.find(['"', '\n', '\\']).filter(|end| inner.as_bytes().get(*end) == Some(&b'"'));
                 let end = end.ok_or_else(|| {
-                    self.place().error("text", "expected a \" at its end in the same line, and no \\ before that")
+                    self.place().notation("text", "expected a \" at its end in the same line, and no \\ before that")
                 })?;
                 (Token::Text(inner.get(..end).unwrap_or_default()), end + 2)
             }
@@ -124,13 +133,14 @@ impl<'t> Tokens<'t> {
 
     /// The next token, which must be there.
     pub fn expect(&mut self, what: &str, expected: &str) -> Result<Token<'t>> {
-        self.next()?.ok_or_else(|| self.place().error(what, format!("expected {expected}, found the end of the file")))
+        self.next()?
+            .ok_or_else(|| self.place().notation(what, format!("expected {expected}, found the end of the file")))
     }
 
     pub fn text(&mut self, what: &str, expected: &str) -> Result<&'t str> {
         match self.expect(what, expected)? {
             Token::Text(text) => Ok(text),
-            other => Err(self.place().error(what, format!("expected {expected}, found {}", other.words()))),
+            other => Err(self.place().notation(what, format!("expected {expected}, found {}", other.words()))),
         }
     }
 
@@ -145,10 +155,10 @@ impl<'t> Tokens<'t> {
             let expected = format!("{N} numbers");
             let token = self.expect(what, &expected)?;
             *number = number_of(token)
-                .ok_or_else(|| self.place().error(what, format!("expected {expected}, found {}", token.words())))?;
+                .ok_or_else(|| self.place().notation(what, format!("expected {expected}, found {}", token.words())))?;
         }
         if is_bracketed && self.expect(what, "]")? != Token::Close {
-            return Err(self.place().error(what, format!("expected ] behind {N} numbers")));
+            return Err(self.place().notation(what, format!("expected ] behind {N} numbers")));
         }
         Ok(all)
     }
