@@ -60,7 +60,7 @@ pub fn camera(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
     let longest = lengths.into_iter().fold(0.0, f64::max);
     let angles = [x.dot(y), y.dot(z), z.dot(x)].map(f64::abs).into_iter().fold(0.0, f64::max);
     let is_even = lengths.iter().all(|length| (longest - length).abs() <= 1e-3 * longest);
-    if !is_even || !(angles <= 1e-4 * longest * longest) {
+    if !is_even || angles > 1e-4 * longest * longest {
         return Err(params.error("expected a transform of turns, shifts and one scale before the camera"));
     }
     // A negative 0 is written as 0.

@@ -332,7 +332,7 @@ pub fn texture(kind: &str, is_colour: bool, params: &Params, reader: &mut Reader
                 return Err(params.error_at("invert", "expected false: inverted images are not read"));
             }
             let encoding = params.word("encoding")?.unwrap_or("sRGB");
-            if encoding != "sRGB" && !(encoding == "linear" && !is_colour) {
+            if encoding != "sRGB" && (encoding != "linear" || is_colour) {
                 return Err(params.error_at("encoding", "expected sRGB for colours: others are not read"));
             }
             if encoding == "sRGB" && !is_colour && !is_linear(file) {

@@ -47,6 +47,9 @@ pub struct Film {
 /// The texture coordinates of a surface: the scale of u and v, and what is added then.
 pub type Mapping = [DVec2; 2];
 
+/// The name of a material, and the mapping of its textures.
+pub type On = (Option<String>, Mapping);
+
 /// The mapping that changes nothing.
 pub const AS_THEY_ARE: Mapping = [DVec2::ONE, DVec2::ZERO];
 
@@ -97,7 +100,7 @@ pub struct Reader<'a> {
     pub materials: Vec<(String, Material)>,
     /// The names of materials by what they are, and those of shapes by their material, area light and alpha.
     same: HashMap<String, String>,
-    pub known: HashMap<(usize, Option<usize>, String), (Option<String>, Mapping)>,
+    pub known: HashMap<(usize, Option<usize>, String), On>,
     names: HashMap<String, usize>,
     pub meshes: BTreeMap<String, Arc<Mesh>>,
     told: HashSet<(String, String)>,

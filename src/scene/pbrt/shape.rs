@@ -6,7 +6,7 @@ use glam::{DAffine3, DVec3, Vec2};
 
 use super::material::{lambertian, number_or};
 use super::params::Params;
-use super::reader::{AS_THEY_ARE, Mapping, Medium, Reader};
+use super::reader::{AS_THEY_ARE, Mapping, Medium, On, Reader};
 use crate::error::Result;
 use crate::lobe::anisotropy::ANISOTROPY;
 use crate::printable::quote;
@@ -18,9 +18,6 @@ use crate::scene::mitsuba::shape::{POLES, without_material};
 use crate::scene::mitsuba::transform::moved;
 use crate::scene::types::*;
 use crate::shape::mesh::Mesh;
-
-/// The name of a material, and the mapping of its textures.
-type On = (Option<String>, Mapping);
 
 const KNOWN: &str = "sphere, disk, cylinder, trianglemesh, bilinearmesh, plymesh";
 
