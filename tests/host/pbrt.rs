@@ -130,6 +130,14 @@ fn errors_have_places() {
         ("Translate 1 2", "Translate: expected 3 numbers, found the end of the file"),
         ("NamedMaterial \"x\"", "a.pbrt:4:1: NamedMaterial: there is no material \"x\" above"),
         ("ObjectInstance \"x\"", "ObjectInstance: there is no object \"x\""),
+        (
+            "ObjectBegin \"a\" ObjectEnd ObjectBegin \"b\" ObjectInstance \"a\"",
+            "expected no instance inside of an object",
+        ),
+        (
+            "MakeNamedMedium \"a\" \"rgb sigma_a\" [-1 1 1] \"rgb sigma_s\" [1 1 1]",
+            "expected sigma_a, sigma_s and a scale of 0 or more",
+        ),
         ("AttributeEnd", "AttributeEnd: expected AttributeBegin before it"),
         ("AttributeBegin", "a.pbrt:4:1: AttributeBegin: expected its end before that of the file"),
         ("Film \"rgb\"", "Film rgb: expected it before WorldBegin"),

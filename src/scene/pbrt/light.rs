@@ -86,6 +86,9 @@ pub fn medium(params: &Params, reader: &mut Reader) -> Result<Medium> {
     let (Some(absorbed), Some(scattered)) = (params.colour("sigma_a")?, params.colour("sigma_s")?) else {
         return Err(params.error("expected sigma_a and sigma_s"));
     };
+    if absorbed.min_element().min(scattered.min_element()) < 0.0 || scale < 0.0 {
+        return Err(params.error("expected sigma_a, sigma_s and a scale of 0 or more"));
+    }
     let extinction = absorbed + scattered;
     let share = |scattered: f64, all: f64| if all > 0.0 { scattered / all } else { 0.0 };
     let albedo = Colour::new(

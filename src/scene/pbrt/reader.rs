@@ -245,6 +245,9 @@ impl<'a> Reader<'a> {
     /// The shapes of an object, placed.
     pub fn instance(&mut self, name: &str, at: &Place) -> Result<()> {
         let what = "ObjectInstance";
+        if self.definition.is_some() {
+            return Err(at.error(what, "expected no instance inside of an object, as pbrt has it"));
+        }
         let Some(objects) = self.definitions.get(name) else {
             return Err(at.error(what, format!("there is no object {}", quote(name))));
         };
