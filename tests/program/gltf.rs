@@ -54,7 +54,7 @@ fn convert_and_gltf_options_refuse_other_files() {
         ("convert ../scenes/room.glb -o -", "-: expected the name of a scene file"),
         (
             "convert ../scenes/sphere.ron -o a.ron",
-            "../scenes/sphere.ron: expected a file that ends in .glb, .gltf, .xml, .obj, .ply or .stl",
+            "../scenes/sphere.ron: expected a file that ends in .glb, .gltf, .xml, .pbrt, .obj, .ply or .stl",
         ),
         ("convert ../scenes/gone.glb -o a.ron", "../scenes/gone.glb: glTF: cannot read the glTF file"),
         (
