@@ -276,7 +276,7 @@ declare! {
             alpha: Texture = lambertian::FIELDS.alpha;
             @default one_sided: bool = lambertian::FIELDS.one_sided;
         }
-        /// Two materials of the scene, of which each ray that meets the surface finds one, at random.
+        /// A surface of two materials. Each ray that meets it finds one of them at random.
         Mix: mix, "Mix(a: \"paint\", b: \"rust\", share: 0.3)" {
             /// A name among the materials. It is no Mix, DiffuseLight or ThinDielectric, and has no emission, alpha or absorption.
             a: String = NAME;

@@ -300,7 +300,8 @@ fn of_another(
     progress: &mut OnProgress,
     assets: &mut Assets,
 ) -> Result<Scene> {
-    GltfOptions { defines: Vec::new(), lossless: false, ..options.clone() }.refuse(path, false)?;
+    let defines = if is_pbrt(path) { options.defines.clone() } else { Vec::new() };
+    GltfOptions { defines, lossless: false, ..options.clone() }.refuse(path, false)?;
     let read = if is_pbrt(path) { pbrt::contents } else { mitsuba::contents };
     let mitsuba::Contents { parts, meshes, notes, files, places, findings } =
         read(path, to, options, progress, assets)?;

@@ -9,7 +9,7 @@ mod document;
 mod emitter;
 pub(super) mod mesh;
 mod properties;
-mod reader;
+pub(super) mod reader;
 mod sensor;
 mod serialized;
 pub(super) mod shape;

@@ -28,7 +28,7 @@ use super::types::*;
 use crate::error::{Error, Result};
 use crate::printable::quote;
 use params::Params;
-use reader::{AS_THEY_ARE, Definition, Look, Reader, State};
+use reader::{Definition, Look, Reader, State};
 use tokens::{Notation, Place, Token, Tokens};
 
 /// The most files that are open at a time, and that a scene includes.
@@ -50,9 +50,6 @@ pub fn contents(
     progress: &mut OnProgress,
     assets: &mut Assets,
 ) -> Result<Contents> {
-    if let Some((name, _)) = options.defines.first() {
-        return Err(Error::Usage(format!("-D {name} is for scenes of Mitsuba, which are .xml: {}", path.display())));
-    }
     let mut run = Run {
         reader: Reader::new(path, to, options.lossless, assets),
         states: Vec::new(),
@@ -188,11 +185,10 @@ impl Run<'_> {
         }
         self.states.push((self.reader.state.clone(), at.clone()));
         if let Some(name) = name {
-            let outer = self.reader.definition.replace(Definition { name: name.to_owned(), objects: Vec::new() });
-            if outer.is_some() {
-                self.reader.definition = outer;
+            if self.reader.definition.is_some() {
                 return Err(at.error(word, "expected no object inside another").into());
             }
+            self.reader.definition = Some(Definition { name: name.to_owned(), objects: Vec::new() });
         }
         Ok(())
     }
@@ -293,7 +289,7 @@ impl Run<'_> {
     /// Runs a directive that makes a part of the world.
     fn part(&mut self, word: &str, kind: &str, params: Params, progress: &mut OnProgress) -> Step {
         if !self.reader.in_world {
-            return Err(params.error("expected it behind WorldBegin").into());
+            return Err(params.error("expected it after WorldBegin").into());
         }
         let target = match word {
             "Material" => "material",
@@ -396,7 +392,7 @@ fn kind_of<'t>(word: &str, at: &Place, tokens: &mut Tokens<'t>) -> tokens::Resul
 /// The index of a new material.
 fn look(class: &str, name: &str, params: &Params, reader: &mut Reader) -> Result<usize> {
     let material = material::material(class, params, reader)?;
-    let mapping = reader.mapping.take().unwrap_or(AS_THEY_ARE);
+    let mapping = reader.mapping.take();
     reader.looks.push(Look { material, mapping, name: name.to_owned(), at: params.at.clone() });
     Ok(reader.looks.len() - 1)
 }

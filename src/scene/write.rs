@@ -88,6 +88,13 @@ pub(super) fn value(value: &(impl Serialize + ?Sized)) -> Result<String, ron::Er
     options().to_string_pretty(value, config)
 }
 
+/// The path of a file in the scene file `to`: as it is if the scene stays where it is and the file lies in its folder, else relative to that.
+pub fn named(file: &Path, to: &Path, is_in_place: bool) -> String {
+    let folder = to.parent().unwrap_or(Path::new(""));
+    let beside = file.strip_prefix(folder).ok().filter(|_| is_in_place);
+    beside.map_or_else(|| relative(folder, file), Path::to_owned).to_string_lossy().into_owned()
+}
+
 /// The path of a file as a scene in a folder names it.
 pub fn relative(folder: &Path, file: &Path) -> PathBuf {
     let absolute = |path: &Path| std::fs::canonicalize(path).or_else(|_| std::path::absolute(path));

@@ -447,6 +447,26 @@ fn meshes_are_read_and_converted() {
     assert!(found.contains("there is no mesh 2: the file has 2"), "{found}");
 }
 
+/// Up to four random edits, some of which put one of `letters` somewhere.
+pub fn mutate(text: &mut Vec<u8>, letters: &[u8], random: &mut Random) {
+    for _ in 0..=random.below(4) {
+        if text.is_empty() {
+            return;
+        }
+        let at = random.below(text.len());
+        match random.below(4) {
+            0 => text[at] = letters[random.below(letters.len())],
+            1 => _ = text.remove(at),
+            2 => text.truncate(at.max(1)),
+            _ => {
+                let part = text[at..(at + random.below(40)).min(text.len())].to_vec();
+                let to = random.below(text.len());
+                text.splice(to..to, part);
+            }
+        }
+    }
+}
+
 /// The scenes of tests/references/mitsuba with random edits: each is read or refused, without a panic.
 #[test]
 fn mutants_do_not_panic() {
@@ -467,19 +487,7 @@ fn mutants_do_not_panic() {
     let (mut good, mut bad) = (0, 0);
     for number in 0..2000 {
         let mut text = scenes[number % scenes.len()].clone();
-        for _ in 0..=random.below(4) {
-            let at = random.below(text.len());
-            match random.below(4) {
-                0 => text[at] = b"<>/\"=0-9. e$#:az"[random.below(16)],
-                1 => _ = text.remove(at),
-                2 => text.truncate(at.max(1)),
-                _ => {
-                    let part = text[at..(at + random.below(40)).min(text.len())].to_vec();
-                    let to = random.below(text.len());
-                    text.splice(to..to, part);
-                }
-            }
-        }
+        mutate(&mut text, b"<>/\"=0-9. e$#:az", &mut random);
         fs::write(&path, &text).unwrap();
         match load(&path, &GltfOptions::default()) {
             Ok(_) => good += 1,

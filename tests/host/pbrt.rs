@@ -11,6 +11,7 @@ use gpu_rt::scene::{Assets, GltfOptions, Scene};
 use tempfile::TempDir;
 
 use crate::common::stats::Random;
+use crate::mitsuba::mutate;
 
 const VIEW: &str = r#"Scale -1 1 1 LookAt 0 0 0 0 0 1 0 1 0 Camera "perspective" "float fov" 90
 Film "rgb" "integer xresolution" 40 "integer yresolution" 20 Sampler "halton" "integer pixelsamples" 16 PixelFilter "box"
@@ -179,6 +180,13 @@ fn what_pbrt_shows_otherwise_is_told_and_can_be_refused() {
         ),
         ("Material \"diffuse\" \"string normalmap\" \"n.png\" Shape \"disk\"", "its normalmap is left out"),
         ("AreaLightSource \"diffuse\" Shape \"disk\"", "the backs of its shapes are black here"),
+        (
+            "Texture \"t\" \"spectrum\" \"checkerboard\" \"float uscale\" 4 \"float vscale\" 4 \
+             MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"texture reflectance\" \"t\" \
+             MakeNamedMaterial \"b\" \"string type\" \"diffuse\" \
+             Material \"mix\" \"string materials\" [\"b\" \"a\"] Shape \"sphere\"",
+            "it becomes a mesh with 128 edges around",
+        ),
         ("Shape \"cylinder\"", "it becomes a mesh with 128 edges around"),
         ("Scale 1 2 3 Shape \"sphere\"", "it becomes a mesh with 128 edges around"),
         ("Material \"coateddiffuse\" \"float thickness\" 1 Shape \"disk\"", "its thickness is not used"),
@@ -243,22 +251,7 @@ fn mutants_do_not_panic() {
     let (mut good, mut bad) = (0, 0);
     for number in 0..2000 {
         let mut text = scenes[number % scenes.len()].clone();
-        for _ in 0..=random.below(4) {
-            if text.is_empty() {
-                break;
-            }
-            let at = random.below(text.len());
-            match random.below(4) {
-                0 => text[at] = b"[]\"\n-9. e#ab0"[random.below(13)],
-                1 => _ = text.remove(at),
-                2 => text.truncate(at.max(1)),
-                _ => {
-                    let part = text[at..(at + random.below(40)).min(text.len())].to_vec();
-                    let to = random.below(text.len());
-                    text.splice(to..to, part);
-                }
-            }
-        }
+        mutate(&mut text, b"[]\"\n-9. e#ab0", &mut random);
         fs::write(&path, &text).unwrap();
         match load(&path, false) {
             Ok(_) => good += 1,

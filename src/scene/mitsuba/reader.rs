@@ -11,7 +11,7 @@ use crate::error::{Location, Result};
 use crate::scene::assets::Assets;
 use crate::scene::findings::Findings;
 use crate::scene::types::{Material, Object};
-use crate::scene::write::relative;
+use crate::scene::write::named;
 use crate::shape::Aabb;
 use crate::shape::mesh::Mesh;
 
@@ -85,12 +85,7 @@ impl<'a> Reader<'a> {
             return index;
         }
         let base = node.attribute("id").or(node.attribute("type")).unwrap_or("default");
-        let mut name = base.to_owned();
-        while let Some(known) = self.names.get_mut(&name) {
-            *known += 1;
-            name = format!("{base} {known}");
-        }
-        self.names.insert(name.clone(), 1);
+        let name = free_name(&mut self.names, base);
         self.places.insert(format!("materials[{name:?}]"), node.at.location());
         self.materials.push((name, material));
         next
@@ -121,8 +116,17 @@ impl<'a> Reader<'a> {
     }
 
     pub fn named(&self, file: &Path) -> String {
-        let folder = self.to.parent().unwrap_or(Path::new(""));
-        let beside = file.strip_prefix(folder).ok().filter(|_| self.is_in_place);
-        beside.map_or_else(|| relative(folder, file), Path::to_owned).to_string_lossy().into_owned()
+        named(file, &self.to, self.is_in_place)
     }
+}
+
+/// A name that no other has, which is `base` if that is free. `names` counts those with each base.
+pub fn free_name(names: &mut HashMap<String, usize>, base: &str) -> String {
+    let mut name = base.to_owned();
+    while let Some(known) = names.get_mut(&name) {
+        *known += 1;
+        name = format!("{base} {known}");
+    }
+    names.insert(name.clone(), 1);
+    name
 }

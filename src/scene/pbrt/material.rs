@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::params::Params;
+use super::params::{Params, Spectrum};
 use super::reader::{AS_THEY_ARE, Mapping, Reader};
 use crate::error::Result;
 use crate::printable::quote;
@@ -161,9 +161,9 @@ fn of_metal(params: &Params, name: &str, first: usize) -> Result<Colour> {
     };
     match params.spectrum(name)? {
         None => of_name(&format!("metal-Cu-{name}")),
-        Some(super::params::Spectrum::Named(text)) => of_name(&text),
-        Some(super::params::Spectrum::Rgb(colour)) => Ok(colour),
-        Some(super::params::Spectrum::Curve { .. }) => {
+        Some(Spectrum::Named(text)) => of_name(&text),
+        Some(Spectrum::Rgb(colour)) => Ok(colour),
+        Some(Spectrum::Curve { .. }) => {
             Err(params.error_at(name, format!("{name} by wavelengths is not read: give its rgb")))
         }
     }
@@ -179,6 +179,9 @@ fn mix(params: &Params, reader: &mut Reader) -> Result<Material> {
         let look = reader.named_looks.get(name).and_then(|look| reader.looks.get(*look));
         let look = look.ok_or_else(|| wrong("there is no material of this name above"))?;
         let (found, at) = (look.material.clone(), look.at.clone());
+        if look.mapping.is_some_and(|mapping| !reader.has_mapping(mapping)) {
+            return Err(wrong("expected one mapping of all textures of a surface, found another"));
+        }
         let found = found.ok_or_else(|| wrong("an interface cannot be mixed"))?;
         match found.not_mixed() {
             Some(what) => Err(wrong(&format!("it cannot be mixed here, because it {what}"))),
@@ -193,8 +196,8 @@ fn mix(params: &Params, reader: &mut Reader) -> Result<Material> {
 fn index(params: &Params, reader: &mut Reader) -> Result<f64> {
     let ior = match params.spectrum("eta")? {
         None => 1.5,
-        Some(super::params::Spectrum::Rgb(eta)) if eta == Colour::splat(eta.x) => eta.x,
-        Some(super::params::Spectrum::Named(name)) => {
+        Some(Spectrum::Rgb(eta)) if eta == Colour::splat(eta.x) => eta.x,
+        Some(Spectrum::Named(name)) => {
             let known = GLASSES.into_iter().find(|(known, _)| *known == name);
             let unknown =
                 || params.error_at("eta", format!("the glass {} is not known here: give a float", quote(&name)));
@@ -237,6 +240,9 @@ impl Facets {
             reader.lose(&params.at, &params.title, &format!("its alpha {} counts as 1", u.max(v)));
         }
         let (least, most) = (u.min(v).min(1.0), u.max(v).min(1.0));
+        if most > least && reader.mapping.get().is_none() {
+            reader.mapping.set(Some(AS_THEY_ARE));
+        }
         Ok(Facets {
             // pbrt takes less as smooth.
             roughness: Texture::grey(if most < 1e-3 { 0.0 } else { least.sqrt() }),
@@ -280,7 +286,7 @@ fn known(params: &Params, name: &str, texture: &str, is_colour: bool, reader: &R
     let kind = if is_colour { "spectrum" } else { "float" };
     let missing = || params.error_at(name, format!("there is no {kind} texture {} above", quote(texture)));
     let (found, mapping) = reader.textures.get(&(is_colour, texture.to_owned())).cloned().ok_or_else(missing)?;
-    if found.needs_uv() && reader.mapping.replace(Some(mapping)).is_some_and(|other| other != mapping) {
+    if found.needs_uv() && !reader.has_mapping(mapping) {
         return Err(params.error_at(name, "expected one mapping of all textures of a surface, found another"));
     }
     Ok(found)

@@ -14,15 +14,17 @@ use crate::printable::quote;
 use crate::scene::assets::Assets;
 use crate::scene::findings::Findings;
 use crate::scene::mitsuba::mesh;
+use crate::scene::mitsuba::reader::free_name;
 use crate::scene::mitsuba::transform::moved;
 use crate::scene::types::*;
-use crate::scene::write::relative;
+use crate::scene::write::named;
 use crate::shape::mesh::Mesh;
 
 /// A material as a directive gives it; nothing where surfaces only bound media.
 pub struct Look {
     pub material: Option<Material>,
-    pub mapping: Mapping,
+    /// Nothing if the texture coordinates of the surface do not count.
+    pub mapping: Option<Mapping>,
     pub name: String,
     pub at: Place,
 }
@@ -48,7 +50,7 @@ pub struct Film {
 pub type Mapping = [DVec2; 2];
 
 /// The name of a material, and the mapping of its textures.
-pub type On = (Option<String>, Mapping);
+pub type On = (Option<String>, Option<Mapping>);
 
 /// The mapping that changes nothing.
 pub const AS_THEY_ARE: Mapping = [DVec2::ONE, DVec2::ZERO];
@@ -130,8 +132,7 @@ impl<'a> Reader<'a> {
     pub fn new(path: &Path, to: &Path, lossless: bool, assets: &'a mut Assets) -> Reader<'a> {
         let at = Place { file: path.into(), line: 1, column: 1 };
         let matt = Lambertian { albedo: Texture::grey(0.5), ..Lambertian::default() };
-        let first =
-            Look { material: Some(Material::Lambertian(matt)), mapping: AS_THEY_ARE, name: "default".to_owned(), at };
+        let first = Look { material: Some(Material::Lambertian(matt)), mapping: None, name: "default".to_owned(), at };
         Reader {
             to: to.to_owned(),
             folder: path.parent().unwrap_or(Path::new("")).to_owned(),
@@ -209,12 +210,7 @@ impl<'a> Reader<'a> {
         if let Some(known) = self.same.get(&key) {
             return known.clone();
         }
-        let mut name = base.to_owned();
-        while let Some(known) = self.names.get_mut(&name) {
-            *known += 1;
-            name = format!("{base} {known}");
-        }
-        self.names.insert(name.clone(), 1);
+        let name = free_name(&mut self.names, base);
         self.places.insert(format!("materials[{name:?}]"), at.location());
         self.materials.push((name.clone(), material));
         self.same.insert(key, name.clone());
@@ -237,9 +233,12 @@ impl<'a> Reader<'a> {
 
     /// The path of a file as the scene names it.
     pub fn named(&self, file: &Path) -> String {
-        let folder = self.to.parent().unwrap_or(Path::new(""));
-        let beside = file.strip_prefix(folder).ok().filter(|_| self.is_in_place);
-        beside.map_or_else(|| relative(folder, file), Path::to_owned).to_string_lossy().into_owned()
+        named(file, &self.to, self.is_in_place)
+    }
+
+    /// Notes the mapping of a texture. The result says whether it is that of the other textures of the surface.
+    pub fn has_mapping(&self, mapping: Mapping) -> bool {
+        self.mapping.replace(Some(mapping)).is_none_or(|other| other == mapping)
     }
 
     /// The shapes of an object, placed.

@@ -8,7 +8,6 @@ use super::material::{lambertian, number_or};
 use super::params::Params;
 use super::reader::{AS_THEY_ARE, Mapping, Medium, On, Reader};
 use crate::error::Result;
-use crate::lobe::anisotropy::ANISOTROPY;
 use crate::printable::quote;
 use crate::scene::draft::{Draft, MOST_BYTES};
 use crate::scene::file::OnProgress;
@@ -37,26 +36,27 @@ pub fn shape(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mu
             Some(reader.media.get(name).cloned().ok_or_else(missing)?)
         }
     };
-    let (material, mapping) = surface(params, inside.as_ref(), reader)?;
+    let look = surface(params, inside.as_ref(), reader)?;
+    let is_seen = look.0.is_some();
     let object = match kind {
-        "sphere" => sphere(params, &by, (material.clone(), mapping), reader)?,
-        "disk" => disk(params, &by, material.clone(), reader)?,
+        "sphere" => sphere(params, &by, look, reader)?,
+        "disk" => disk(params, &by, look, reader)?,
         "cylinder" => {
-            let radius = whole(params, &["phimax"])?;
+            let radius = whole(params)?;
             let (low, high) = (params.number_or("zmin", -1.0)?, params.number_or("zmax", 1.0)?);
             let scale = DAffine3::from_scale(DVec3::new(radius, radius, high - low));
             let placed = by * DAffine3::from_translation(DVec3::new(0.0, 0.0, low)) * scale;
-            made(params, mesh::cylinder(), &placed, (material.clone(), mapping), reader)
+            made(params, mesh::cylinder(), &placed, look, reader)
         }
         "trianglemesh" => {
             let mesh = triangles(params)?;
-            made(params, mesh, &by, (material.clone(), mapping), reader)
+            made(params, mesh, &by, look, reader)
         }
         "bilinearmesh" => {
             let mesh = patches(params)?;
-            made(params, mesh, &by, (material.clone(), mapping), reader)
+            made(params, mesh, &by, look, reader)
         }
-        "plymesh" => file_mesh(params, &by, (material.clone(), mapping), progress, reader)?,
+        "plymesh" => file_mesh(params, &by, look, progress, reader)?,
         _ => return Err(params.error(format!("this shape is not read: expected one of {KNOWN}"))),
     };
     reader.end(params);
@@ -76,7 +76,7 @@ pub fn shape(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mu
         let object = Object::Medium { boundary, density: extinction.x, albedo, anisotropy };
         reader.add_object(object, &params.at);
     }
-    if material.is_some() {
+    if is_seen {
         reader.add_object(object, &params.at);
     }
     Ok(())
@@ -84,8 +84,7 @@ pub fn shape(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mu
 
 /// The name of the material of a shape, which may emit and have an alpha, or nothing for an interface; and the mapping of its textures.
 fn surface(params: &Params, inside: Option<&Medium>, reader: &mut Reader) -> Result<On> {
-    let mapping = reader.looks[reader.state.look].mapping;
-    reader.mapping.set((mapping != AS_THEY_ARE).then_some(mapping));
+    reader.mapping.set(reader.looks[reader.state.look].mapping);
     let alpha = number_or(params, "alpha", 1.0, reader)?;
     let absorption = inside.filter(|medium| medium.albedo == Colour::ZERO).map(|medium| medium.extinction);
     let key = (reader.state.look, reader.state.area, format!("{alpha:?} {absorption:?}"));
@@ -132,8 +131,7 @@ fn surface(params: &Params, inside: Option<&Medium>, reader: &mut Reader) -> Res
         (Some(Material::Mix(own)), alpha) => Some(Material::Mix(Mix { alpha, ..own })),
         _ => return Err(params.error_at("alpha", "expected 1 for this material: others have no alpha here")),
     };
-    let mapping = reader.mapping.take().unwrap_or(mapping);
-    let made = (found.map(|material| reader.add_material(material, &name, &at)), mapping);
+    let made = (found.map(|material| reader.add_material(material, &name, &at)), reader.mapping.take());
     reader.known.insert(key, made.clone());
     Ok(made)
 }
@@ -144,11 +142,9 @@ fn is_glass(reader: &Reader) -> bool {
 }
 
 /// The radius of a quadric that is whole.
-fn whole(params: &Params, angles: &[&str]) -> Result<f64> {
-    for name in angles {
-        if params.number_or(name, 360.0)? < 360.0 {
-            return Err(params.error_at(name, "expected 360: parts of shapes are not read"));
-        }
+fn whole(params: &Params) -> Result<f64> {
+    if params.number_or("phimax", 360.0)? < 360.0 {
+        return Err(params.error_at("phimax", "expected 360: parts of shapes are not read"));
     }
     let radius = params.number_or("radius", 1.0)?;
     match radius > 0.0 {
@@ -158,7 +154,7 @@ fn whole(params: &Params, angles: &[&str]) -> Result<f64> {
 }
 
 fn sphere(params: &Params, by: &DAffine3, look: On, reader: &mut Reader) -> Result<Object> {
-    let radius = whole(params, &["phimax"])?;
+    let radius = whole(params)?;
     for (name, sign) in [("zmin", -1.0), ("zmax", 1.0)] {
         if sign * params.number_or(name, sign * radius)? < radius {
             return Err(params.error_at(name, "expected the whole sphere: parts of shapes are not read"));
@@ -169,28 +165,22 @@ fn sphere(params: &Params, by: &DAffine3, look: On, reader: &mut Reader) -> Resu
     let mirrors = placed.matrix3.determinant() < 0.0;
     let round = if mirrors { placed * DAffine3::from_scale(DVec3::NEG_ONE) } else { placed };
     let is_plain = moved(&round, Object::Group(Vec::new())).is_some() && !reader.state.is_reversed;
-    if is_plain && !is_textured(reader, |material| material.has_row(ANISOTROPY)) {
+    if is_plain && look.1.is_none() {
         let radius = placed.matrix3.determinant().abs().cbrt();
         return Ok(Object::Sphere { center: placed.translation, radius, material: look.0 });
     }
     let sphere = Object::Sphere { center: DVec3::ZERO, radius: 1.0, material: look.0.clone() };
     let turned = moved(&(placed * DAffine3::from_mat3(POLES)), sphere);
-    Ok(match turned.filter(|_| is_plain && look.1 == AS_THEY_ARE) {
+    Ok(match turned.filter(|_| is_plain && look.1 == Some(AS_THEY_ARE)) {
         Some(object) => object,
         None => made(params, mesh::sphere(), &placed, look, reader),
     })
 }
 
-/// Whether the material of shapes needs texture coordinates, or is such that they count.
-fn is_textured(reader: &Reader, counts: impl Fn(&Material) -> bool) -> bool {
-    let material = reader.looks.get(reader.state.look).and_then(|look| look.material.as_ref());
-    material.is_some_and(|own| counts(own) || own.textures().iter().any(|texture| texture.needs_uv()))
-}
-
-fn disk(params: &Params, by: &DAffine3, material: Option<String>, reader: &mut Reader) -> Result<Object> {
-    let radius = whole(params, &["phimax"])?;
-    if is_textured(reader, |_| false) {
-        return Err(params.error("a texture on a disk is not read"));
+fn disk(params: &Params, by: &DAffine3, (material, mapping): On, reader: &mut Reader) -> Result<Object> {
+    let radius = whole(params)?;
+    if mapping.is_some() {
+        return Err(params.error("texture coordinates of a disk are not read"));
     }
     if params.number_or("innerradius", 0.0)? != 0.0 {
         return Err(params.error_at("innerradius", "expected 0: a disk with a hole is not read"));
@@ -216,7 +206,7 @@ fn made(params: &Params, mut mesh: Mesh, by: &DAffine3, look: On, reader: &mut R
 }
 
 /// Puts a transform into the vertices. The front stays the front, unless the orientation is reversed.
-fn placed(mesh: &mut Mesh, by: &DAffine3, is_reversed: bool, [scale, shift]: Mapping) {
+fn placed(mesh: &mut Mesh, by: &DAffine3, is_reversed: bool, mapping: Option<Mapping>) {
     let mirrors = by.matrix3.determinant() < 0.0;
     mesh::transformed(mesh, by);
     if mirrors && mesh.normals.is_empty() {
@@ -225,6 +215,7 @@ fn placed(mesh: &mut Mesh, by: &DAffine3, is_reversed: bool, [scale, shift]: Map
     if is_reversed {
         mesh::flip(mesh);
     }
+    let [scale, shift] = mapping.unwrap_or(AS_THEY_ARE);
     mesh.uvs.iter_mut().for_each(|uv| *uv = (scale * uv.as_dvec2() + shift).as_vec2());
 }
 
@@ -289,7 +280,7 @@ fn file_mesh(
         return Err(params.error_at("displacement", "a displacement is not read"));
     }
     let object = Object::Mesh { path: reader.named(&path), material: look.0.clone() };
-    let is_as_it_is = !reader.state.is_reversed && look.1 == AS_THEY_ARE;
+    let is_as_it_is = !reader.state.is_reversed && look.1.is_none_or(|mapping| mapping == AS_THEY_ARE);
     if let Some(object) = moved(by, object).filter(|_| is_as_it_is) {
         return Ok(object);
     }

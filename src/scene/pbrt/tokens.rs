@@ -1,6 +1,5 @@
 //! The words of a file, with their places.
 
-use std::cell::Cell;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -62,17 +61,17 @@ pub struct Tokens<'t> {
     line: u32,
     line_start: usize,
     /// The begin of the latest token: its line, where that begins, and its own byte.
-    begin: Cell<(u32, usize, usize)>,
+    begin: (u32, usize, usize),
 }
 
 impl<'t> Tokens<'t> {
     pub fn new(file: &Path, text: &'t str) -> Tokens<'t> {
-        Tokens { file: file.into(), text, at: 0, line: 1, line_start: 0, begin: Cell::new((1, 0, 0)) }
+        Tokens { file: file.into(), text, at: 0, line: 1, line_start: 0, begin: (1, 0, 0) }
     }
 
     /// The place of the latest token.
     pub fn place(&self) -> Place {
-        let (line, line_start, at) = self.begin.get();
+        let (line, line_start, at) = self.begin;
         let before = self.text.get(line_start..at).unwrap_or_default();
         Place { file: Arc::clone(&self.file), line, column: before.chars().count() as u32 + 1 }
     }
@@ -108,7 +107,7 @@ impl<'t> Tokens<'t> {
     /// The next token; nothing at the end.
     pub fn next(&mut self) -> Result<Option<Token<'t>>> {
         self.skip_space();
-        self.begin.set((self.line, self.line_start, self.at));
+        self.begin = (self.line, self.line_start, self.at);
         let rest = self.text.get(self.at..).unwrap_or_default();
         let Some(first) = rest.bytes().next() else { return Ok(None) };
         let (token, length) = match first {
