@@ -201,7 +201,7 @@ impl Builder<'_> {
                 settings.background_bottom = f32s(radiance_scale * *bottom);
                 settings.background_top = f32s(radiance_scale * *top);
             }
-            Background::Image { path, tint, by } => {
+            Background::Image { path, tint, by, .. } => {
                 let DMat3 { x_axis, y_axis, z_axis } = to_space.rotation * similarity(by).rotation;
                 [settings.world_x, settings.world_y, settings.world_z] = [x_axis, y_axis, z_axis].map(f32s);
                 if similarity(by).rotation != DMat3::IDENTITY {
@@ -209,11 +209,13 @@ impl Builder<'_> {
                     self.flat.features.require("camera_axes", || format!("background.by at {at}"));
                 }
                 settings.background_bottom = f32s(radiance_scale * *tint);
-                if let Some(bitmap) = scene.bitmaps.colours(path) {
+                if let Some((_, decoding, _)) = scene.background.image()
+                    && let Some(bitmap) = scene.bitmaps.get(path, decoding)
+                {
                     settings.background_width = bitmap.width;
                     settings.background_height = bitmap.height;
                     settings.background_format = bitmap.format.number() as u32;
-                    self.flat.settings.background_texel = self.add_image(path, Decoding::Colour, bitmap);
+                    self.flat.settings.background_texel = self.add_image(path, decoding, bitmap);
                 }
             }
         }

@@ -18,7 +18,7 @@ use crate::light_distribution::SkyDistribution;
 use crate::luminance::Luminance;
 use crate::material::Emission;
 use crate::printable::counted;
-use crate::scene::{Background, Bitmap, Falloff};
+use crate::scene::{Bitmap, Falloff};
 use crate::shape::{Aabb, BoundingShape, Emitter, KINDS, ObjectTransform, PRIMITIVES, exp2};
 
 /// The most lights. The tree's nodes then take 64 MiB, half of the largest binding of software drivers.
@@ -262,8 +262,8 @@ impl Builder<'_> {
 
     /// Adds the background's image as a light, unless it is black. Returns its intensity.
     fn add_sky(&mut self) -> Option<f64> {
-        let Background::Image { path, tint, .. } = &self.scene.background else { return None };
-        let bitmap = self.scene.bitmaps.colours(path)?;
+        let (_, _, tint) = self.scene.background.image()?;
+        let bitmap = self.scene.background.bitmap(&self.scene.bitmaps)?;
         // MIS compensation: BSDF sampling finds what is darker than the mean, and light sampling draws what is above it (Karlík, Šik, Vévoda,
         // Skřivan, Křivánek, "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling", ACM TOG 38(6), 2019).
         // A little less than the mean is subtracted, so that a sky of one radiance has a distribution too.

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::animation_frame::FPS;
 use super::projection::Projection;
+use crate::bitmap::{Bitmap, Bitmaps, Decoding};
 use crate::delta_light::{DeltaLight, Falloff};
 use crate::error::{Error, Result};
 use crate::shape::mesh::MeshShape;
@@ -161,7 +162,7 @@ declare! {
             /// The radiance straight up.
             top: Colour = RADIANCE;
         }
-        /// A sky all around: a latitude-longitude image, with +y at the top and -z in the middle.
+        /// A sky all around: an image of latitude and longitude, with +y at the top and -z in the middle.
         Image: sky, "Image(path: \"sky.exr\")" {
             /// A file of the same formats as the texture `Image`.
             path: String = other(PATH);
@@ -170,7 +171,33 @@ declare! {
             tint: Colour = RADIANCE.or("(1, 1, 1)");
             /// How it is turned: rotations, applied in the order listed.
             @default by: Vec<Transform> = other("a list of transforms: [..]").or("[]");
+            /// Octahedral: the square that pbrt-v4 has, with +z in the middle, +x at the right and +y below. It is resampled, and a warning
+            /// says what that changes.
+            @default layout: SkyLayout = other("LatitudeLongitude or Octahedral").or("LatitudeLongitude");
         }
+    }
+}
+
+/// How directions lie in the image of a sky.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum SkyLayout {
+    #[default]
+    LatitudeLongitude,
+    Octahedral,
+}
+
+impl Checked for SkyLayout {}
+
+impl Background {
+    /// The path of its image, how that is decoded, and its tint.
+    pub fn image(&self) -> Option<(&String, Decoding, Colour)> {
+        let Background::Image { path, tint, layout, .. } = self else { return None };
+        Some((path, if *layout == SkyLayout::Octahedral { Decoding::Octahedral } else { Decoding::Colour }, *tint))
+    }
+
+    /// Its decoded image.
+    pub fn bitmap<'a>(&self, bitmaps: &'a Bitmaps) -> Option<&'a Bitmap> {
+        self.image().and_then(|(path, decoding, _)| bitmaps.get(path, decoding))
     }
 }
 

@@ -4,6 +4,7 @@ mod budget;
 mod exr;
 mod jpeg;
 mod ktx2;
+mod octahedral;
 mod pack;
 
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -53,10 +54,10 @@ pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings, assets
 /// Visits the values of a scene that name images, each with its `path` field, how the file is decoded, and what the texels mean.
 pub fn visit_images(scene: &Scene, visit: &mut dyn FnMut(&ValuePath, &str, Decoding, Colour, Use)) {
     let top = scene.top();
-    if let Background::Image { path, tint, .. } = &scene.background {
+    if let Some((path, decoding, tint)) = scene.background.image() {
         let background = top.field("background");
         let at = background.variant("Image");
-        visit(&at.field("path"), path, Decoding::Colour, *tint, Use::Radiance);
+        visit(&at.field("path"), path, decoding, tint, Use::Radiance);
     }
     let materials = top.field("materials");
     for (name, material) in &scene.materials {
@@ -142,6 +143,17 @@ impl Loader<'_> {
 /// Decodes the bytes of a file, whose name may say its format. Images of floats, such as .exr and .hdr, are linear; the colours of all
 /// others are sRGB.
 fn decode(bytes: &[u8], by_name: Option<ImageFormat>, wanted: &Wanted) -> std::result::Result<Decoded, String> {
+    if wanted.decodings.contains(&Decoding::Octahedral) {
+        let plain = wanted.decodings.iter().copied().filter(|decoding| *decoding != Decoding::Octahedral);
+        let plain = plain.chain([Decoding::Colour]).collect();
+        let mut decoded = decode(bytes, by_name, &Wanted { decodings: &plain, budget: wanted.budget })?;
+        let colours = decoded.iter().find(|(decoding, _)| *decoding == Decoding::Colour);
+        let square = colours.map(|(_, bitmap)| bitmap).ok_or("expected colours")?;
+        let made = octahedral::resampled(square, wanted.budget)?;
+        decoded.push((Decoding::Octahedral, made));
+        decoded.retain(|(decoding, _)| wanted.decodings.contains(decoding));
+        return Ok(decoded);
+    }
     let decoded = guarded(|| match bytes.starts_with(&exr::MAGIC) {
         true => exr::decode(bytes, wanted),
         false => {

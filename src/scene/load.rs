@@ -14,6 +14,7 @@ use super::file::{LONGEST_SCENE, OnProgress, Reading};
 use super::findings::Findings;
 use super::gltf_options::{GltfOptions, Sky};
 use super::gltf_path::is_gltf;
+use super::imported::Imported;
 use super::mitsuba::{self, is_mitsuba};
 use super::model::Scene;
 use super::pbrt::{self, is_pbrt};
@@ -254,7 +255,12 @@ fn of_model(
     let view = contents.choose(options.camera.as_deref()).map_err(Error::Usage)?;
     let has_view = view.is_some();
     let (camera, image) = view.unwrap_or_else(|| gltf::framing(Aabb::around([DVec3::ZERO])));
-    let image_sky = |path: String| Background::Image { path, tint: Colour::ONE, by: Vec::new() };
+    let image_sky = |path: String| Background::Image {
+        path,
+        tint: Colour::ONE,
+        by: Vec::new(),
+        layout: SkyLayout::LatitudeLongitude,
+    };
     let background = match &options.sky {
         Some(Sky::Image(sky)) if path == to => image_sky(sky.clone()),
         Some(Sky::Image(sky)) => image_sky(seen(Path::new(sky)).to_string_lossy().into_owned()),
@@ -303,8 +309,7 @@ fn of_another(
     let defines = if is_pbrt(path) { options.defines.clone() } else { Vec::new() };
     GltfOptions { defines, lossless: false, ..options.clone() }.refuse(path, false)?;
     let read = if is_pbrt(path) { pbrt::contents } else { mitsuba::contents };
-    let mitsuba::Contents { parts, meshes, notes, files, places, findings } =
-        read(path, to, options, progress, assets)?;
+    let Imported { parts, meshes, notes, files, places, findings, .. } = read(path, to, options, progress, assets)?;
     let made = meshes.keys().cloned().collect();
     let scene = Scene::of_parts(parts, Source::with_places(to, places));
     let mut scene = Scene { meshes, made, notes, libraries: files, ..scene };

@@ -13,6 +13,7 @@ mod tokens;
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use flate2::read::GzDecoder;
 use glam::{DAffine3, DMat4, DVec3};
@@ -21,15 +22,13 @@ use super::assets::Assets;
 use super::file::{self, LONGEST_SCENE, OnProgress};
 use super::gltf_options::GltfOptions;
 use super::gltf_path::has_ending;
-use super::mitsuba::Contents;
-use super::mitsuba::transform::look_at;
-use super::recover::Parts;
-use super::types::*;
+use super::imported::transform::look_at;
+use super::imported::{Imported, Place};
 use crate::error::{Error, Result};
 use crate::printable::quote;
 use params::Params;
 use reader::{Definition, Look, Reader, State};
-use tokens::{Notation, Place, Token, Tokens};
+use tokens::{Notation, Token, Tokens};
 
 /// The most files that are open at a time, and that a scene includes.
 const DEEPEST: usize = 100;
@@ -43,39 +42,25 @@ pub fn is_pbrt(path: &Path) -> bool {
 }
 
 /// Reads a scene, as the scene file `to` would have it.
-pub fn contents(
+pub fn contents<'a>(
     path: &Path,
     to: &Path,
     options: &GltfOptions,
     progress: &mut OnProgress,
-    assets: &mut Assets,
-) -> Result<Contents> {
-    let mut run = Run {
-        reader: Reader::new(path, to, options.lossless, assets),
-        states: Vec::new(),
-        open: Vec::new(),
-        camera: None,
-    };
+    assets: &'a mut Assets,
+) -> Result<Imported<'a>> {
+    let made = Imported::new(path, to, options, assets);
+    let mut run = Run { reader: Reader::new(path, made), states: Vec::new(), open: Vec::new(), camera: None };
     run.file(path, progress)?;
-    let Run { mut reader, states, .. } = run;
+    let Run { reader: Reader { mut made, in_world, .. }, states, .. } = run;
     if let Some((_, at)) = states.last() {
-        reader.findings.refuse(at.error("AttributeBegin", "expected its end before that of the file"));
+        made.findings.refuse(at.error("AttributeBegin", "expected its end before that of the file"));
     }
-    if !reader.in_world && reader.findings.is_empty() {
+    if !in_world && made.findings.is_empty() {
         let at = Place { file: path.into(), line: 1, column: 1 };
-        reader.findings.refuse(at.error("scene", "expected WorldBegin"));
+        made.findings.refuse(at.error("scene", "expected WorldBegin"));
     }
-    let Reader { camera, image, background, materials, objects, samples, max_depth, .. } = reader;
-    let parts = Parts {
-        image: Some(image),
-        camera: camera.or_else(|| Some(Camera::pinhole(DVec3::ZERO, DVec3::Z, DVec3::Y, 90.0))),
-        background,
-        materials,
-        objects: Some(objects),
-        render: RenderDefaults { samples, max_depth },
-    };
-    let Reader { meshes, notes, files, places, findings, .. } = reader;
-    Ok(Contents { parts, meshes, notes, files, places, findings })
+    Ok(made)
 }
 
 /// The run through the directives.
@@ -90,7 +75,7 @@ struct Run<'a> {
 impl Run<'_> {
     fn file(&mut self, path: &Path, progress: &mut OnProgress) -> Result<()> {
         let whole = |message: String| Place { file: path.into(), line: 0, column: 0 }.error("scene", message);
-        self.reader.assets.stamp_files(path);
+        self.reader.made.assets.stamp_files(path);
         let mut bytes = file::read(path, "scene file", LONGEST_SCENE).map_err(whole)?;
         if bytes.starts_with(&[0x1f, 0x8b]) {
             let mut text = Vec::new();
@@ -103,13 +88,13 @@ impl Run<'_> {
         let text = String::from_utf8(bytes).map_err(|_| whole("expected UTF-8 text".to_owned()))?;
         self.open.push(std::fs::canonicalize(path).unwrap_or(path.to_owned()));
         let mut tokens = Tokens::new(path, &text);
-        while !self.reader.findings.is_full() {
+        while !self.reader.made.findings.is_full() {
             match self.next(&mut tokens, progress) {
                 Ok(true) => {}
                 Ok(false) => break,
-                Err(Failure::OfDirective(error)) => self.reader.findings.refuse(error),
+                Err(Failure::OfDirective(error)) => self.reader.made.findings.refuse(error),
                 Err(Failure::OfNotation(error)) => {
-                    self.reader.findings.refuse(error);
+                    self.reader.made.findings.refuse(error);
                     break;
                 }
             }
@@ -123,7 +108,7 @@ impl Run<'_> {
         let Some(token) = tokens.next()? else { return Ok(false) };
         let at = tokens.place();
         let Token::Word(word) = token else {
-            return Err(at.notation("scene", format!("expected a directive, found {}", token.words())).into());
+            return Err(Notation::at(&at, "scene", format!("expected a directive, found {}", token.words())).into());
         };
         match word {
             "Identity" | "Translate" | "Scale" | "Rotate" | "LookAt" | "Transform" | "ConcatTransform" => {
@@ -131,21 +116,41 @@ impl Run<'_> {
             }
             "AttributeBegin" | "TransformBegin" | "ObjectBegin" => self.begin(word, &at, tokens)?,
             "AttributeEnd" | "TransformEnd" | "ObjectEnd" => self.end(word, &at)?,
+            "ObjectInstance" => shape::instance(tokens.text(word, "its name")?, &at, progress, &mut self.reader)?,
             "Include" | "Import" => self.include(word, &at, tokens, progress)?,
             "WorldBegin" => self.begin_world()?,
             "Attribute" => self.attribute(word, &at, tokens)?,
             "Texture" => self.texture(word, &at, tokens)?,
             "Camera" | "Film" | "Sampler" | "Integrator" | "PixelFilter" | "Accelerator" => {
-                let (kind, params) = kind_of(word, &at, tokens)?;
+                let (kind, params) = self.kind_of(word, &at, tokens)?;
                 self.option(word, kind, params)?;
             }
             "Material" | "MakeNamedMaterial" | "MakeNamedMedium" | "Shape" | "LightSource" | "AreaLightSource" => {
-                let (kind, params) = kind_of(word, &at, tokens)?;
+                let (kind, params) = self.kind_of(word, &at, tokens)?;
                 self.part(word, kind, params, progress)?;
             }
             _ => self.other(word, &at, tokens)?,
         }
         Ok(true)
+    }
+
+    /// The kind of a directive, and its parameters.
+    fn kind_of<'t>(
+        &mut self,
+        word: &str,
+        at: &Place,
+        tokens: &mut Tokens<'t>,
+    ) -> std::result::Result<(&'t str, Params), Failure> {
+        let kind = tokens.text(word, "its kind in quotes")?;
+        let params = Params::read(format!("{word} {kind}"), at.clone(), tokens)?;
+        let reader = &mut self.reader;
+        let params = params.with_files(|name, at| {
+            let path = reader.resolve(name, at);
+            reader.made.assets.stamp_files(&path);
+            reader.made.files.push(path.clone());
+            path
+        })?;
+        Ok((kind, params))
     }
 
     fn transform(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>) -> Step {
@@ -188,7 +193,7 @@ impl Run<'_> {
             if self.reader.definition.is_some() {
                 return Err(at.error(word, "expected no object inside another").into());
             }
-            self.reader.definition = Some(Definition { name: name.to_owned(), objects: Vec::new() });
+            self.reader.definition = Some(Definition { name: name.to_owned(), ..Definition::default() });
         }
         Ok(())
     }
@@ -202,7 +207,7 @@ impl Run<'_> {
         }
         if word == "ObjectEnd" {
             let made = self.reader.definition.take().ok_or_else(missing)?;
-            self.reader.definitions.insert(made.name, made.objects);
+            self.reader.definitions.insert(made.name.clone(), Rc::new(made));
         }
         Ok(())
     }
@@ -214,11 +219,11 @@ impl Run<'_> {
             let message = format!("{} includes itself: expected no circle", path.display());
             return Err(at.error(word, message).into());
         }
-        if self.open.len() > DEEPEST || self.reader.files.len() >= MOST_FILES {
+        if self.open.len() > DEEPEST || self.reader.made.files.len() >= MOST_FILES {
             let message = format!("expected at most {MOST_FILES} files, {DEEPEST} in each other");
             return Err(at.error(word, message).into());
         }
-        self.reader.files.push(path.clone());
+        self.reader.made.files.push(path.clone());
         let read = self.file(&path, progress).map_err(|error| match error {
             Error::Scene { location, message, .. } if location.line == 0 => at.error(word, message),
             other => other,
@@ -249,7 +254,7 @@ impl Run<'_> {
 
     fn texture(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>) -> Step {
         let (name, kind) = (tokens.text(word, "its name")?, tokens.text(word, "float or spectrum")?);
-        let (class, params) = kind_of(word, at, tokens)?;
+        let (class, params) = self.kind_of(word, at, tokens)?;
         let params = params.with_defaults(self.defaults("texture"));
         if !["float", "spectrum"].contains(&kind) {
             return Err(params.error(format!("expected float or spectrum, found {}", quote(kind))).into());
@@ -279,7 +284,7 @@ impl Run<'_> {
             "Sampler" => camera::sampler(&params, reader)?,
             "Integrator" => camera::integrator(kind, &params, reader)?,
             "PixelFilter" if kind != "box" => {
-                reader.lose(&params.at, &params.title, "this filter is not used: --filter chooses one");
+                reader.made.lose(&params.at, &params.title, "this filter is not used: --filter chooses one");
             }
             _ => {}
         }
@@ -334,7 +339,6 @@ impl Run<'_> {
                 let missing = || at.error(word, format!("there is no coordinate system {}", quote(name)));
                 reader.state.ctm = *reader.systems.get(name).ok_or_else(missing)?;
             }
-            "ObjectInstance" => reader.instance(tokens.text(word, "its name")?, at)?,
             "NamedMaterial" => {
                 let name = tokens.text(word, "its name")?;
                 let missing = || at.error(word, format!("there is no material {} above", quote(name)));
@@ -346,7 +350,7 @@ impl Run<'_> {
                 let outside = if has_outside { tokens.text(word, "a name")? } else { inside };
                 reader.state.inside = inside.to_owned();
                 if !outside.is_empty() && outside != inside {
-                    reader.lose(at, word, "the medium outside is not used: media are where their shapes are");
+                    reader.made.lose(at, word, "the medium outside is not used: media are where their shapes are");
                 }
             }
             "ColorSpace" => {
@@ -357,7 +361,7 @@ impl Run<'_> {
             }
             "Option" => _ = Params::read(word.to_owned(), at.clone(), tokens)?,
             "WorldEnd" => {}
-            _ => return Err(at.notation(word, "this directive is not read").into()),
+            _ => return Err(Notation::at(&at, word, "this directive is not read").into()),
         }
         Ok(())
     }
@@ -381,12 +385,6 @@ impl From<Notation> for Failure {
     fn from(Notation(error): Notation) -> Failure {
         Failure::OfNotation(error)
     }
-}
-
-/// The kind of a directive, and its parameters.
-fn kind_of<'t>(word: &str, at: &Place, tokens: &mut Tokens<'t>) -> tokens::Result<(&'t str, Params)> {
-    let kind = tokens.text(word, "its kind in quotes")?;
-    Ok((kind, Params::read(format!("{word} {kind}"), at.clone(), tokens)?))
 }
 
 /// The index of a new material.

@@ -1,7 +1,8 @@
 //! The types of what a scene consists of.
 
 pub use super::declared::{
-    Background, Camera, CameraKey, ImageSize, Object, RenderDefaults, Thin, Transform, keys_around, keys_up_to,
+    Background, Camera, CameraKey, ImageSize, Object, RenderDefaults, SkyLayout, Thin, Transform, keys_around,
+    keys_up_to,
 };
 pub use super::projection::{Distortion, FisheyeModel, Projection};
 pub use crate::bitmap::{Bitmap, Bitmaps};

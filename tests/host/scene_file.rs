@@ -144,6 +144,7 @@ fn sample(takes: &Takes) -> &'static str {
         Takes::Other("Auto or Pane") => "Pane",
         Takes::Other("Ggx or Beckmann") => "Beckmann",
         Takes::Other("Repeat, Clamp or Mirror") => "Mirror",
+        Takes::Other("LatitudeLongitude or Octahedral") => "Octahedral",
         Takes::Other("Gltf, Linear or Smooth") => "Linear",
         Takes::Other("two numbers of seconds: (open, close)") => "(7, 8)",
         Takes::Other("an image: Image(path: ..)") => "Image(path: \"name\")",

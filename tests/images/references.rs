@@ -196,18 +196,20 @@ fn scenes_of_mitsuba_are_as_mitsuba_renders_them() {
     }
 }
 
-/// The same scene by pbrt's directives.
+/// The same scene by pbrt's directives, and in our own form.
 #[test]
 fn a_scene_of_pbrt_is_as_mitsuba_renders_the_same() {
     let reference = Reference::load("mitsuba/alike");
-    let scene = Scene::load(&folder().join("pbrt/alike.pbrt")).unwrap_or_else(|error| panic!("{error}"));
     let request = Request::spp(64).mis().sobol().roulette();
-    let shots: Vec<Shot> = (420..424).map(|seed| render(&scene, &request.clone().seed(seed))).collect();
-    let found = worst_by_seeds(&reference, &shots, 12, |_, _| 1.0);
-    println!("{found:?}");
-    assert!(found.p >= found.threshold, "{found:?}");
-    let planted = worst_by_seeds(&reference, &shots, 12, |_, _| 1.03);
-    assert!(planted.p < planted.threshold, "all of it times 1.03 is not found");
+    for (name, seeds) in [("pbrt/alike.pbrt", 420..424), ("pbrt/alike.ron", 424..428)] {
+        let scene = Scene::load(&folder().join(name)).unwrap_or_else(|error| panic!("{error}"));
+        let shots: Vec<Shot> = seeds.map(|seed| render(&scene, &request.clone().seed(seed))).collect();
+        let found = worst_by_seeds(&reference, &shots, 12, |_, _| 1.0);
+        println!("{name}: {found:?}");
+        assert!(found.p >= found.threshold, "{name}: {found:?}");
+        let planted = worst_by_seeds(&reference, &shots, 12, |_, _| 1.03);
+        assert!(planted.p < planted.threshold, "{name}: all of it times 1.03 is not found");
+    }
 }
 
 /// A scene with one thing else in it.

@@ -7,19 +7,20 @@ use glam::{DAffine3, DVec3};
 use super::document::{DEEPEST, Node};
 use super::properties::{Properties, unknown};
 use super::reader::Reader;
-use super::tables;
 use super::values::colour;
 use crate::error::Result;
 use crate::material::LobeWidth;
 use crate::printable::{counted, quote};
 use crate::scene::gltf_path::has_ending;
+use crate::scene::imported::surface::{self, Facets};
+use crate::scene::imported::tables;
 use crate::scene::types::*;
 
 const KNOWN: &str = "diffuse, dielectric, roughdielectric, thindielectric, conductor, roughconductor, plastic, roughplastic, principled, \
                      twosided, mask, blendbsdf, bumpmap, normalmap, null";
 
 /// A BSDF: nothing if it is `null`.
-pub fn material<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Result<Option<Material>> {
+pub fn material<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a, '_>) -> Result<Option<Material>> {
     if reader.depth > DEEPEST {
         return Err(node.error("expected a bsdf that is not inside itself"));
     }
@@ -29,7 +30,7 @@ pub fn material<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) ->
     found
 }
 
-fn of_kind<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Result<Option<Material>> {
+fn of_kind<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a, '_>) -> Result<Option<Material>> {
     let own = Properties::of(node);
     let kind = own.kind()?;
     let found = match kind {
@@ -50,13 +51,9 @@ fn of_kind<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Resu
             let alpha = share(&own, "opacity", 0.5, reader)?;
             let [inner] = inner(&own, reader)?;
             let mut found = material(inner, two_sided, reader)?;
-            match &mut found {
-                None => {}
-                Some(Material::Lambertian(own)) => own.alpha = alpha,
-                Some(Material::Pbr(own)) => own.alpha = alpha,
-                Some(Material::Plastic(own)) => own.alpha = alpha,
-                Some(Material::Mix(own)) => own.alpha = alpha,
-                Some(_) => return Err(inner.error("only diffuse, plastic and blendbsdf can be inside a mask here")),
+            if let Some(found) = &mut found {
+                let wrong = || inner.error("only diffuse, plastic and blendbsdf can be inside a mask here");
+                *surface::alpha_of(found).ok_or_else(wrong)? = alpha;
             }
             found
         }
@@ -69,7 +66,7 @@ fn of_kind<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Resu
         "dielectric" | "roughdielectric" | "thindielectric" => Some(dielectric(&own, kind, reader)?),
         "plastic" | "roughplastic" => {
             let ior = index(&own, "polypropylene")?;
-            let facets = if kind == "plastic" { Facets::SMOOTH } else { facets(&own, reader)? };
+            let facets = if kind == "plastic" { smooth() } else { facets(&own, reader)? };
             no_tint(&own, "specular_reflectance")?;
             if facets.roughness > 0.0 {
                 let message =
@@ -94,7 +91,7 @@ fn of_kind<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a>) -> Resu
 }
 
 /// A blend of two BSDFs, which become materials with names.
-fn mix<'a>(own: &Properties<'a>, two_sided: bool, reader: &mut Reader<'a>) -> Result<Material> {
+fn mix<'a>(own: &Properties<'a>, two_sided: bool, reader: &mut Reader<'a, '_>) -> Result<Material> {
     let share = share(own, "weight", 0.5, reader)?;
     let [a, b] = inner(own, reader)?;
     let mut name_of = |part: &'a Node| {
@@ -110,7 +107,7 @@ fn mix<'a>(own: &Properties<'a>, two_sided: bool, reader: &mut Reader<'a>) -> Re
             );
         }
         let index = reader.add_material(found, part);
-        let name = reader.materials[index].0.clone();
+        let name = reader.made.parts.materials[index].0.clone();
         reader.parts.insert(name.clone(), index);
         Ok(name)
     };
@@ -118,7 +115,7 @@ fn mix<'a>(own: &Properties<'a>, two_sided: bool, reader: &mut Reader<'a>) -> Re
 }
 
 /// Burley's material as that of glTF, which is near to it.
-fn principled<'a>(own: &Properties<'a>, one_sided: bool, reader: &mut Reader<'a>) -> Result<Material> {
+fn principled<'a>(own: &Properties<'a>, one_sided: bool, reader: &mut Reader<'a, '_>) -> Result<Material> {
     reader.lose(own.node, "it becomes glTF's material, whose matt body, sheen and coat differ");
     for name in ["anisotropic", "flatness", "spec_tint", "sheen_tint"] {
         if own.number_or(name, 0.0)? != 0.0 {
@@ -153,7 +150,7 @@ pub fn lambertian(albedo: Texture, one_sided: bool) -> Material {
 }
 
 /// The BSDFs that another is made of.
-fn inner<'a, const N: usize>(own: &Properties<'a>, reader: &Reader<'a>) -> Result<[&'a Node; N]> {
+fn inner<'a, const N: usize>(own: &Properties<'a>, reader: &Reader<'a, '_>) -> Result<[&'a Node; N]> {
     let is_other = |child| reader.target(child).is_ok_and(|target| target.tag != "bsdf");
     let all = own.take(|child| child.tag == "bsdf" || child.tag == "ref" && !is_other(child));
     let all = all.into_iter().map(|child| reader.follow(child, "bsdf")).collect::<Result<Vec<_>>>()?;
@@ -162,9 +159,14 @@ fn inner<'a, const N: usize>(own: &Properties<'a>, reader: &Reader<'a>) -> Resul
     all.try_into().map_err(error)
 }
 
-fn conductor<'a>(own: &Properties<'a>, is_rough: bool, one_sided: bool, reader: &mut Reader<'a>) -> Result<Material> {
+fn conductor<'a>(
+    own: &Properties<'a>,
+    is_rough: bool,
+    one_sided: bool,
+    reader: &mut Reader<'a, '_>,
+) -> Result<Material> {
     let node = own.node;
-    let facets = if is_rough { facets(own, reader)? } else { Facets::SMOOTH };
+    let facets = if is_rough { facets(own, reader)? } else { smooth() };
     let tint = texture_or(own, "specular_reflectance", 1.0, reader)?;
     let name = own.word("material")?;
     let (eta, k) = (own.colour_or("eta", 0.0)?, own.colour_or("k", 1.0)?);
@@ -212,7 +214,7 @@ fn conductor<'a>(own: &Properties<'a>, is_rough: bool, one_sided: bool, reader: 
     }))
 }
 
-fn dielectric<'a>(own: &Properties<'a>, kind: &str, reader: &mut Reader<'a>) -> Result<Material> {
+fn dielectric<'a>(own: &Properties<'a>, kind: &str, reader: &mut Reader<'a, '_>) -> Result<Material> {
     let ior = index(own, "bk7")?;
     no_tint(own, "specular_reflectance")?;
     let passes = texture_or(own, "specular_transmittance", 1.0, reader)?;
@@ -269,19 +271,11 @@ fn by_name(node: &Node, name: &str) -> Result<f64> {
     known.and_then(|numbers| numbers.first().copied()).ok_or_else(missing)
 }
 
-/// The roughness of microfacets.
-struct Facets {
-    roughness: f64,
-    distribution: Distribution,
-    anisotropy: f64,
-    /// In degrees, from u towards v.
-    rotation: f64,
+fn smooth() -> Facets {
+    Facets::of(0.0, 0.0, Distribution::Ggx)
 }
 
-impl Facets {
-    const SMOOTH: Facets = Facets { roughness: 0.0, distribution: Distribution::Ggx, anisotropy: 0.0, rotation: 0.0 };
-}
-
+/// The microfacets of a BSDF.
 fn facets(own: &Properties, reader: &mut Reader) -> Result<Facets> {
     let node = own.node;
     own.ignore(&["sample_visible"]);
@@ -307,17 +301,11 @@ fn facets(own: &Properties, reader: &mut Reader) -> Result<Facets> {
         }
     };
     reader.lose(node, "its masking and shadowing are correlated by height here, unlike in Mitsuba: it is brighter at grazing angles, by up to 4 %");
-    let (least, most) = (u.min(v).min(1.0), u.max(v).min(1.0));
-    Ok(Facets {
-        roughness: least.sqrt(),
-        distribution,
-        anisotropy: if most > least { ((most - least) / (1.0 - least)).sqrt() } else { 0.0 },
-        rotation: if v > u { 90.0 } else { 0.0 },
-    })
+    Ok(Facets::of(u, v, distribution))
 }
 
 /// A number that may be a texture.
-fn share<'a>(own: &Properties<'a>, name: &str, default: f64, reader: &mut Reader<'a>) -> Result<Texture> {
+fn share<'a>(own: &Properties<'a>, name: &str, default: f64, reader: &mut Reader<'a, '_>) -> Result<Texture> {
     match slot(own, name, default, true, reader)? {
         Texture::Rgb(r, g, b) if r != g || g != b => {
             Err(own.find(name).unwrap_or(own.node).error(format!("expected one number for {name}, found a colour")))
@@ -344,7 +332,7 @@ fn is_linear(path: &str) -> bool {
 }
 
 /// A colour or a texture.
-pub fn texture_or<'a>(own: &Properties<'a>, name: &str, default: f64, reader: &mut Reader<'a>) -> Result<Texture> {
+pub fn texture_or<'a>(own: &Properties<'a>, name: &str, default: f64, reader: &mut Reader<'a, '_>) -> Result<Texture> {
     slot(own, name, default, false, reader)
 }
 
@@ -353,7 +341,7 @@ fn slot<'a>(
     name: &str,
     default: f64,
     is_number: bool,
-    reader: &mut Reader<'a>,
+    reader: &mut Reader<'a, '_>,
 ) -> Result<Texture> {
     let Some(child) = own.find(name) else { return Ok(Texture::grey(default)) };
     if ["texture", "ref"].contains(&child.tag.as_str()) {
@@ -364,7 +352,7 @@ fn slot<'a>(
     Ok(Texture::Rgb(x, y, z))
 }
 
-fn texture<'a>(node: &'a Node, is_number: bool, reader: &mut Reader<'a>) -> Result<Texture> {
+fn texture<'a>(node: &'a Node, is_number: bool, reader: &mut Reader<'a, '_>) -> Result<Texture> {
     let own = Properties::of(node);
     // Scenes before 2 have numbers in place of to_uv.
     let scale = DVec3::new(own.number_or("uscale", 1.0)?, own.number_or("vscale", 1.0)?, 1.0);

@@ -11,6 +11,7 @@ use crate::error::{Error, Location, Result};
 use crate::printable::quote;
 use crate::scene::assets::Assets;
 use crate::scene::file::{self, LONGEST_SCENE};
+use crate::scene::imported::{Place, spectrum};
 
 /// How deep elements may be nested, included files with them.
 pub const DEEPEST: usize = 100;
@@ -19,24 +20,6 @@ pub const DEEPEST: usize = 100;
 const LONGEST_VALUE: usize = 1 << 16;
 /// The most files that a scene includes.
 const MOST_FILES: usize = 1000;
-
-/// Where an element or an attribute begins.
-#[derive(Clone, Debug)]
-pub struct Place {
-    file: Arc<Path>,
-    line: u32,
-    column: u32,
-}
-
-impl Place {
-    pub fn location(&self) -> Location {
-        Location { file: self.file.to_path_buf(), line: self.line as usize, column: self.column as usize }
-    }
-
-    pub fn folder(&self) -> &Path {
-        self.file.parent().unwrap_or(Path::new(""))
-    }
-}
 
 pub struct Attribute {
     pub name: String,
@@ -68,13 +51,13 @@ impl Node {
     }
 
     pub fn error(&self, message: impl Into<String>) -> Error {
-        Error::Scene { location: self.at.location(), field: self.title(), message: message.into() }
+        self.at.error(&self.title(), message)
     }
 
     /// An error at an attribute, or at the element if it is not there.
     pub fn error_at(&self, name: &str, message: impl Into<String>) -> Error {
         let at = self.attributes.iter().find(|attribute| attribute.name == name).map_or(&self.at, |found| &found.at);
-        Error::Scene { location: at.location(), field: format!("{}.{name}", self.title()), message: message.into() }
+        at.error(&format!("{}.{name}", self.title()), message)
     }
 }
 
@@ -233,11 +216,9 @@ impl<'a> Loader<'a> {
         self.notes.extend(outside(name, node));
         self.assets.stamp_files(&path);
         let broken = |reason: String| node.error_at("filename", format!("{}: {reason}", path.display()));
-        let bytes = file::read(&path, "spectrum", LONGEST_SCENE).map_err(broken)?;
+        let pairs = spectrum::pairs_of_file(&path).map_err(broken)?;
         self.files.push(path.clone());
-        let text = String::from_utf8_lossy(&bytes);
-        let lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
-        Ok(lines.map(|line| line.split_whitespace().collect::<Vec<_>>().join(":")).collect::<Vec<_>>().join(", "))
+        Ok(pairs.iter().map(|(wavelength, value)| format!("{wavelength}:{value}")).collect::<Vec<_>>().join(" "))
     }
 
     /// A value whose names are replaced.

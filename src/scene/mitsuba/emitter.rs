@@ -7,9 +7,9 @@ use super::properties::{Properties, unknown};
 use super::reader::Reader;
 use crate::error::Result;
 use crate::printable::quote;
-use crate::scene::gltf;
+use crate::scene::imported::transform::turns;
 use crate::scene::sky::SKY;
-use crate::scene::types::{Background, Colour, Falloff, Object, Texture, Transform};
+use crate::scene::types::{Background, Colour, Falloff, Object, SkyLayout, Texture};
 
 /// Half a turn around y: their skies have +z in the middle, ours -z.
 const HALF_TURN: DMat3 = DMat3::from_cols(DVec3::NEG_X, DVec3::Y, DVec3::NEG_Z);
@@ -17,17 +17,6 @@ const HALF_TURN: DMat3 = DMat3::from_cols(DVec3::NEG_X, DVec3::Y, DVec3::NEG_Z);
 pub enum Emitter {
     Object(Object),
     Background(Background),
-}
-
-/// The rotations of a sky.
-fn turned(own: &Properties) -> Result<Vec<Transform>> {
-    let turn = own.transform("to_world")? * DAffine3::from_mat3(HALF_TURN);
-    // A shift moves nothing at infinity.
-    let by = gltf::similarity(&DAffine3::from_mat3(turn.matrix3));
-    match by.filter(|_| (turn.matrix3.determinant() - 1.0).abs() < 1e-6) {
-        Some(by) => Ok(by.into_iter().filter(|turn| matches!(turn, Transform::Rotate { .. })).collect()),
-        None => Err(own.node.error("expected a to_world that turns the sky alone, without a scale")),
-    }
 }
 
 pub fn emitter(node: &Node, reader: &mut Reader) -> Result<Emitter> {
@@ -41,7 +30,10 @@ pub fn emitter(node: &Node, reader: &mut Reader) -> Result<Emitter> {
             let path = own.word("filename")?.ok_or_else(|| node.error("expected its filename"))?;
             own.ignore(&["mis_compensation"]);
             let tint = Colour::splat(own.number_or("scale", 1.0)?);
-            Emitter::Background(Background::Image { path: reader.path(path, node), tint, by: turned(&own)? })
+            let by = turns(&(to_world * DAffine3::from_mat3(HALF_TURN)));
+            let by = by.ok_or_else(|| node.error("expected a to_world that turns the sky alone, without a scale"))?;
+            let (path, layout) = (reader.path(path, node), SkyLayout::LatitudeLongitude);
+            Emitter::Background(Background::Image { path, tint, by, layout })
         }
         "sky" | "sunsky" => {
             own.take(|_| true);

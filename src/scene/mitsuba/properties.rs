@@ -41,7 +41,7 @@ impl<'a> Properties<'a> {
     }
 
     /// The elements of a tag in it, or that it refers to.
-    pub fn elements(&self, tag: &str, reader: &Reader<'a>) -> Vec<&'a Node> {
+    pub fn elements(&self, tag: &str, reader: &Reader<'a, '_>) -> Vec<&'a Node> {
         let found = |child: &'a Node| reader.follow(child, tag).ok();
         self.take(|child| found(child).is_some()).into_iter().filter_map(found).collect()
     }
@@ -115,10 +115,10 @@ impl<'a> Properties<'a> {
         let mut names = HashSet::new();
         for (child, used) in self.node.children.iter().zip(self.used.borrow().iter()) {
             if child.attribute("name").is_some_and(|name| !names.insert(name)) {
-                reader.findings.refuse(child.error("this property is there already: expected it once"));
+                reader.made.findings.refuse(child.error("this property is there already: expected it once"));
             } else if !used {
                 let title = self.node.title();
-                reader.findings.refuse(match reader.target(child) {
+                reader.made.findings.refuse(match reader.target(child) {
                     Ok(found) if child.tag == "ref" => child.error(format!("{} has no place here", found.title())),
                     Err(missing) => missing,
                     Ok(_) => child.error(format!(

@@ -24,7 +24,7 @@ impl Film {
 }
 
 /// The camera, the image and the samples per pixel.
-pub fn sensor<'a>(node: &'a Node, reader: &mut Reader<'a>) -> Result<(Camera, ImageSize, u32)> {
+pub fn sensor<'a>(node: &'a Node, reader: &mut Reader<'a, '_>) -> Result<(Camera, ImageSize, u32)> {
     let own = Properties::of(node);
     for clip in ["near_clip", "far_clip"].into_iter().filter_map(|name| own.find(name)) {
         reader.lose(clip, "it is not used: nothing is cut off");
@@ -174,7 +174,7 @@ fn film(node: &Node, reader: &mut Reader) -> Result<Film> {
 }
 
 /// The most scattering events of a path.
-pub fn integrator<'a>(node: &'a Node, reader: &mut Reader<'a>) -> Result<u32> {
+pub fn integrator<'a>(node: &'a Node, reader: &mut Reader<'a, '_>) -> Result<u32> {
     let own = Properties::of(node);
     own.ignore(&["samples_per_pass", "block_size", "timeout", "rr_depth"]);
     let depth = match own.kind()? {

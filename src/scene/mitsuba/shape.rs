@@ -2,27 +2,25 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat3, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2};
 
 use super::document::{Node, resolve};
 use super::emitter::{Medium, medium};
 use super::properties::{Properties, unknown};
 use super::reader::{Body, Reader};
-use super::transform::moved;
-use super::{bsdf, mesh, serialized};
+use super::{bsdf, serialized};
 use crate::error::Result;
 use crate::lobe::anisotropy::ANISOTROPY;
 use crate::scene::draft::MOST_BYTES;
 use crate::scene::file::{self, OnProgress};
+use crate::scene::imported::transform::moved;
+use crate::scene::imported::{mesh, surface};
 use crate::scene::mesh_files::load_file;
 use crate::scene::types::*;
 use crate::shape::Aabb;
 use crate::shape::mesh::Mesh;
 
 const KNOWN: &str = "obj, ply, serialized, sphere, rectangle, cube, disk, cylinder, shapegroup, instance";
-
-/// Their spheres have poles on z, ours on y: this takes ours to theirs.
-pub const POLES: DMat3 = DMat3::from_cols(DVec3::NEG_X, DVec3::Z, DVec3::Y);
 
 /// What is inside a shape and on it.
 struct Surface {
@@ -41,7 +39,7 @@ pub fn shape<'a>(
     node: &'a Node,
     world: &DAffine3,
     progress: &mut OnProgress,
-    reader: &mut Reader<'a>,
+    reader: &mut Reader<'a, '_>,
 ) -> Result<Vec<Object>> {
     let own = Properties::of(node);
     let kind = own.kind()?;
@@ -66,7 +64,7 @@ pub fn shape<'a>(
     let to_world = to_world * placed(&own, kind)?;
     let mut around = Aabb { min: DVec3::NEG_ONE, max: DVec3::ONE };
     let object = match kind {
-        "sphere" => sphere(node, &to_world, flips, &surface, reader)?,
+        "sphere" => sphere(node, &to_world, flips, &surface, reader),
         "rectangle" => {
             let DMat3 { x_axis: x, y_axis: y, z_axis: z } = to_world.matrix3;
             match surface.is_textured || flips || x.cross(y).dot(z) < 0.0 {
@@ -94,12 +92,17 @@ pub fn shape<'a>(
                     let normal = normal.normalize_or(DVec3::Z) * if flips { -1.0 } else { 1.0 };
                     Object::Disk { center: to_world.translation, normal, radius: x.length(), material }
                 }
-                false => made(node, mesh::disk(), &to_world, flips, &surface, reader),
+                false => {
+                    let mut mesh = mesh::disk(0.0, 1.0);
+                    // Its u is the radius, and its v the share of a turn, downwards.
+                    mesh.uvs.iter_mut().for_each(|uv| *uv = Vec2::new(1.0 - uv.y, 1.0 - uv.x));
+                    made(node, mesh, &to_world, flips, &surface, reader)
+                }
             }
         }
         "cylinder" => {
             around.min.z = 0.0;
-            made(node, mesh::cylinder(), &to_world, flips, &surface, reader)
+            made(node, mesh::cylinder(1.0), &to_world, flips, &surface, reader)
         }
         "obj" | "ply" | "serialized" => {
             let (object, bounds) = file_mesh(&own, kind, &to_world, flips, &surface, progress, reader)?;
@@ -127,7 +130,7 @@ pub fn shape<'a>(
     });
     let mut objects = Vec::new();
     if let Some(medium) = &surface.inside {
-        objects.push(named(medium.inside(without_material(object.clone()))));
+        objects.push(named(medium.inside(surface::without_material(object.clone()))));
     }
     if surface.material.is_some() {
         objects.push(named(object));
@@ -162,7 +165,7 @@ fn instance<'a>(
     own: &Properties<'a>,
     to_world: &DAffine3,
     progress: &mut OnProgress,
-    reader: &mut Reader<'a>,
+    reader: &mut Reader<'a, '_>,
 ) -> Result<Object> {
     let group = own.take(|child| child.tag == "ref" || child.tag == "shape");
     let [group] = group[..] else { return Err(own.node.error("expected one shapegroup in it")) };
@@ -196,41 +199,17 @@ fn instance<'a>(
 }
 
 /// The sphere that the unit sphere becomes.
-fn sphere(node: &Node, by: &DAffine3, flips: bool, surface: &Surface, reader: &mut Reader) -> Result<Object> {
-    let material = surface.material.clone();
-    // A mirror image of a sphere is a sphere whose inside is out.
-    let ours = if by.matrix3.determinant() < 0.0 { *by * DAffine3::from_scale(DVec3::NEG_ONE) } else { *by };
+fn sphere(node: &Node, by: &DAffine3, flips: bool, surface: &Surface, reader: &mut Reader) -> Object {
     let is_flipped = flips != (by.matrix3.determinant() < 0.0);
-    Ok(match moved(&ours, Object::Group(Vec::new())) {
-        Some(_) if !is_flipped && !surface.is_textured => {
-            let radius = by.matrix3.determinant().abs().cbrt();
-            Object::Sphere { center: by.translation, radius, material }
-        }
-        None => {
-            reader.lose(node, "it becomes an uneven mesh: Mitsuba shows a round sphere");
-            made(node, mesh::sphere(), by, is_flipped, surface, reader)
-        }
-        Some(_) if !is_flipped && by.matrix3.determinant() > 0.0 && surface.to_uv == DAffine3::IDENTITY => {
-            let sphere = Object::Sphere { center: DVec3::ZERO, radius: 1.0, material };
-            moved(&(*by * DAffine3::from_mat3(POLES)), sphere)
-                .ok_or_else(|| node.error("expected a sphere of a size"))?
-        }
-        _ => made(node, mesh::sphere(), by, is_flipped, surface, reader),
-    })
-}
-
-/// The same shape as the boundary of a medium.
-pub fn without_material(mut object: Object) -> Object {
-    let inner = if let Object::Transformed { object, .. } = &mut object { &mut **object } else { &mut object };
-    if let Object::Sphere { material, .. }
-    | Object::Quad { material, .. }
-    | Object::Box { material, .. }
-    | Object::Disk { material, .. }
-    | Object::Mesh { material, .. } = inner
-    {
-        *material = None;
+    let textures = surface.is_textured.then_some(surface.to_uv == DAffine3::IDENTITY);
+    if let Some(sphere) = surface::sphere(by, &surface.material, textures).filter(|_| !is_flipped) {
+        return sphere;
     }
-    object
+    let is_uneven = surface::sphere(by, &None, None).is_none();
+    if is_uneven {
+        reader.lose(node, "it becomes an uneven mesh: Mitsuba shows a round sphere");
+    }
+    made(node, mesh::sphere(0.0, 1.0, 1.0), by, is_flipped, surface, reader)
 }
 
 /// A mesh of a shape of Mitsuba.
@@ -244,14 +223,7 @@ fn made(node: &Node, mut mesh: Mesh, by: &DAffine3, flips: bool, surface: &Surfa
     if flips {
         mesh::flip(&mut mesh);
     }
-    add(mesh, surface, reader)
-}
-
-/// Adds a mesh that no file has.
-fn add(mesh: Mesh, surface: &Surface, reader: &mut Reader) -> Object {
-    let path = mesh::path_of(&reader.to, reader.is_in_place, reader.meshes.len());
-    reader.meshes.insert(path.clone(), Arc::new(mesh));
-    Object::Mesh { path, material: surface.material.clone() }
+    reader.made.add_mesh(mesh, surface.material.clone(), &node.at)
 }
 
 fn file_mesh(
@@ -269,7 +241,7 @@ fn file_mesh(
     let broken = |reason: String| {
         own.find("filename").unwrap_or(node).error_at("value", format!("{}: {reason}", path.display()))
     };
-    reader.assets.stamp_files(&path);
+    reader.made.assets.stamp_files(&path);
     if !path.exists() {
         return Err(broken("there is no such file".to_owned()));
     }
@@ -295,12 +267,12 @@ fn file_mesh(
     let changes_normals = faceted != read.normals.is_empty();
     let bounds = read.bounds();
     if kind != "serialized" && !changes_uvs && !changes_normals && !flips {
-        let mesh = Object::Mesh { path: reader.named(&path), material: surface.material.clone() };
+        let mesh = Object::Mesh { path: reader.made.named(&path), material: surface.material.clone() };
         if let Some(object) = moved(to_world, mesh) {
             return Ok((object, bounds));
         }
     }
-    reader.files.push(path);
+    reader.made.files.push(path);
     let mut mesh = (*read).clone();
     if faceted {
         mesh.normals = Vec::new();
@@ -313,11 +285,11 @@ fn file_mesh(
     if flips {
         mesh::flip(&mut mesh);
     }
-    Ok((add(mesh, surface, reader), bounds))
+    Ok((reader.made.add_mesh(mesh, surface.material.clone(), &node.at), bounds))
 }
 
 /// The material and the medium of a shape.
-fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface> {
+fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a, '_>) -> Result<Surface> {
     let node = own.node;
     let of_bsdf = match own.elements("bsdf", reader)[..] {
         [] => None,
@@ -360,18 +332,15 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface>
     let made = match reader.known.get(&key) {
         Some(made) => *made,
         None => {
-            let found = match of_bsdf {
+            let mut found = match of_bsdf {
                 Some(found) => bsdf::material(found, false, reader)?,
                 None => Some(bsdf::lambertian(Texture::grey(if emission.is_some() { 0.0 } else { 0.5 }), true)),
             };
-            let found = match (found, absorption) {
-                (found, None) => found,
-                (Some(Material::Dielectric(own)), _) => Some(Material::Dielectric(Dielectric { absorption, ..own })),
-                (Some(Material::RoughDielectric(own)), _) => {
-                    Some(Material::RoughDielectric(RoughDielectric { absorption, ..own }))
-                }
-                _ => return Err(node.error("expected one number for the sigma_t of its medium: it is not in glass")),
-            };
+            if absorption.is_some() {
+                let slot = found.as_mut().and_then(surface::absorption_of);
+                let missing = || node.error("expected one number for the sigma_t of its medium: it is not in glass");
+                *slot.ok_or_else(missing)? = absorption;
+            }
             let found = match (found, emission) {
                 (found, None) => found,
                 (None, Some(_)) => return Err(node.error("an area emitter without a surface is not read")),
@@ -383,11 +352,11 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface>
             made
         }
     };
-    let of_name = made.and_then(|(index, _)| reader.materials.get(index));
+    let of_name = made.and_then(|(index, _)| reader.made.parts.materials.get(index));
     let material = of_name.map(|(name, _)| name.clone());
     let (of_name, to_uv) = (of_name.map(|(_, own)| own), made.map_or(DAffine3::IDENTITY, |(_, to_uv)| to_uv));
     let parts = of_name.into_iter().flat_map(Material::parts);
-    let parts = parts.filter_map(|(_, name)| reader.materials.get(*reader.parts.get(name)?));
+    let parts = parts.filter_map(|(_, name)| reader.made.parts.materials.get(*reader.parts.get(name)?));
     let all: Vec<&Material> = of_name.into_iter().chain(parts.map(|(_, part)| part)).collect();
     let textures: Vec<&Texture> = all.iter().flat_map(|material| material.textures()).collect();
     let is_brushed = all.iter().any(|material| material.has_row(ANISOTROPY));
@@ -399,30 +368,15 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a>) -> Result<Surface>
 }
 
 /// A material that emits.
-fn emitting(material: Material, emission: Texture, emitter: &Node, reader: &mut Reader) -> Result<Material> {
-    let mut told = |one_sided: bool| {
-        if !one_sided {
-            reader.lose(emitter, "it emits on both sides here, as its surface has two");
-        }
-    };
-    match material {
-        Material::Lambertian(Lambertian { albedo, alpha, .. })
-            if albedo == Texture::grey(0.0) && alpha == Texture::grey(1.0) =>
-        {
-            Ok(Material::DiffuseLight(DiffuseLight { emit: emission, two_sided: false }))
-        }
-        Material::Lambertian(own) => {
-            told(own.one_sided);
-            Ok(Material::Lambertian(Lambertian { emission: Some(emission), ..own }))
-        }
-        Material::Pbr(own) => {
-            told(own.one_sided);
-            Ok(Material::Pbr(Pbr { emission: Some(emission), ..own }))
-        }
-        Material::Plastic(own) => {
-            told(own.one_sided);
-            Ok(Material::Plastic(Plastic { emission: Some(emission), ..own }))
-        }
-        _ => Err(emitter.error("only diffuse and plastic surfaces can emit here")),
+fn emitting(mut material: Material, emission: Texture, emitter: &Node, reader: &mut Reader) -> Result<Material> {
+    if surface::is_black(&material) {
+        return Ok(Material::DiffuseLight(DiffuseLight { emit: emission, two_sided: false }));
     }
+    let slot = surface::emission_of(&mut material);
+    let (own, one_sided) = slot.ok_or_else(|| emitter.error("only diffuse and plastic surfaces can emit here"))?;
+    *own = Some(emission);
+    if !*one_sided {
+        reader.lose(emitter, "it emits on both sides here, as its surface has two");
+    }
+    Ok(material)
 }

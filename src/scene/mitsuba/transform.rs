@@ -5,8 +5,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::document::Node;
 use super::values::{number, numbers, point, vector};
 use crate::error::Result;
-use crate::scene::gltf;
-use crate::scene::types::Object;
+use crate::scene::imported::transform::look_at;
 
 /// The transform of an element.
 pub fn of(node: &Node) -> Result<DAffine3> {
@@ -53,19 +52,6 @@ fn one(step: &Node) -> Result<DAffine3> {
     }
 }
 
-/// The transform from a camera to the world: x is the viewer's left, y up and z forward.
-pub fn look_at(from: DVec3, to: DVec3, up: DVec3) -> std::result::Result<DAffine3, &'static str> {
-    let forward = (to - from).try_normalize().ok_or("expected a target that is not the origin")?;
-    let left = up.cross(forward).try_normalize().ok_or("expected an up that is not parallel to the view")?;
-    Ok(DAffine3 { matrix3: DMat3::from_cols(left, forward.cross(left), forward), translation: from })
-}
-
 fn rows(numbers: [f64; 9], translation: DVec3) -> DAffine3 {
     DAffine3 { matrix3: DMat3::from_cols_array(&numbers).transpose(), translation }
-}
-
-/// An object that is moved; nothing if the transform mirrors or scales unevenly.
-pub fn moved(by: &DAffine3, object: Object) -> Option<Object> {
-    let by = gltf::similarity(by)?;
-    Some(if by.is_empty() { object } else { Object::Transformed { by, object: Box::new(object) } })
 }

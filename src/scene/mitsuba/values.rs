@@ -3,9 +3,9 @@
 use glam::DVec3;
 
 use super::document::Node;
-use super::spectrum;
 use crate::error::Result;
 use crate::printable::quote;
+use crate::scene::imported::spectrum;
 use crate::scene::types::Colour;
 
 pub fn number(node: &Node, name: &str) -> Result<f64> {
@@ -89,17 +89,13 @@ pub fn colour(node: &Node) -> Result<Colour> {
 fn pairs(node: &Node, text: &str) -> Result<Vec<(f64, f64)>> {
     let pair = |word: &str| {
         let (wavelength, value) = word.split_once(':')?;
-        let pair = (wavelength.trim().parse::<f64>().ok()?, value.trim().parse::<f64>().ok()?);
-        (pair.0.is_finite() && pair.1.is_finite()).then_some(pair)
+        Some((wavelength.trim().parse().ok()?, value.trim().parse().ok()?))
     };
     let words = text.split([',', ' ', '\t', '\n', '\r']).filter(|word| !word.is_empty());
     let all: Option<Vec<_>> = words.map(pair).collect();
-    let rises = |pairs: &Vec<(f64, f64)>| pairs.windows(2).all(|pair| pair[0].0 < pair[1].0);
-    all.filter(rises).ok_or_else(|| {
-        node.error_at(
-            "value",
-            format!("expected WAVELENGTH:VALUE, .. with wavelengths that rise, found {}", quote(text)),
-        )
+    all.filter(|pairs| spectrum::rise(pairs)).ok_or_else(|| {
+        let expected = "expected WAVELENGTH:VALUE, .. with wavelengths that rise";
+        node.error_at("value", format!("{expected}, found {}", quote(text)))
     })
 }
 

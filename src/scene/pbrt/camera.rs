@@ -40,14 +40,14 @@ pub fn film(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
     }
     if let Some(sensor) = params.word("sensor")?.filter(|sensor| *sensor != "cie1931") {
         let message = format!("the sensor {} is not used: colours are those of the observer of 1931", quote(sensor));
-        reader.lose(params.place_of("sensor"), &params.title, &message);
+        reader.made.lose(params.place_of("sensor"), &params.title, &message);
     }
     if params.number_or("whitebalance", 0.0)? != 0.0 {
-        reader.lose(params.place_of("whitebalance"), &params.title, "the white is not balanced here");
+        reader.made.lose(params.place_of("whitebalance"), &params.title, "the white is not balanced here");
     }
     let scale = params.number_or("iso", 100.0)? / 100.0;
     reader.film = Film { width, height, crop, scale };
-    reader.image = ImageSize { width: (crop[1] - crop[0]) as u32, height: (crop[3] - crop[2]) as u32 };
+    reader.made.parts.image = Some(ImageSize { width: (crop[1] - crop[0]) as u32, height: (crop[3] - crop[2]) as u32 });
     reader.end(params);
     Ok(())
 }
@@ -108,21 +108,29 @@ pub fn camera(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
             }
             camera.projection = Some(Projection::Orthographic { height: 2.0 * y1 * longest });
         }
-        _ => return Err(params.error("this camera is not read: expected perspective or orthographic")),
+        "spherical" => {
+            if params.word("mapping")? != Some("equirectangular") || !is_whole {
+                return Err(params.error_at("mapping", "expected equirectangular, and no crop: others are not read"));
+            }
+            // Its image begins at the right of the view, and turns over the front: what is at the left is in the middle.
+            camera.look_at = from - plain(x / longest);
+            camera.mirror = !camera.mirror;
+            camera.projection =
+                Some(Projection::Equirectangular { horizontal: (-180.0, 180.0), vertical: (-90.0, 90.0) });
+        }
+        _ => return Err(params.error("this camera is not read: expected perspective, orthographic or spherical")),
     }
     let radius = params.number_or("lensradius", 0.0)? * longest;
     let focus = params.number_or("focaldistance", 1e6)? * longest;
     if radius > 0.0 {
-        if kind == "orthographic" {
-            return Err(params.error_at("lensradius", "a lens of parallel rays is not read"));
+        if kind != "perspective" {
+            return Err(params.error_at("lensradius", "only a perspective camera has a lens here"));
         }
         (camera.aperture, camera.focus_distance) = (2.0 * radius, Some(focus));
     }
     reader.end(params);
-    for field in ["camera", "image", "render"] {
-        reader.places.insert(field.to_owned(), params.at.location());
-    }
-    reader.camera = Some(camera);
+    reader.made.place(&["camera", "image", "render"], &params.at);
+    reader.made.parts.camera = Some(camera);
     Ok(())
 }
 
@@ -132,9 +140,10 @@ pub fn integrator(kind: &str, params: &Params, reader: &mut Reader) -> Result<()
     }
     let depth = params.integer_or("maxdepth", 5)?;
     let depth = u32::try_from(depth).ok().filter(|depth| (1..=1_000_000).contains(depth));
-    reader.max_depth = depth.ok_or_else(|| params.error_at("maxdepth", "expected a maxdepth from 1 to 1000000"))?;
+    reader.made.parts.render.max_depth =
+        depth.ok_or_else(|| params.error_at("maxdepth", "expected a maxdepth from 1 to 1000000"))?;
     if params.flag_or("regularize", false)? {
-        reader.lose(&params.at, &params.title, "regularize is not used: nothing is blurred");
+        reader.made.lose(&params.at, &params.title, "regularize is not used: nothing is blurred");
     }
     params.ignore(&["lightsampler", "samplelights", "samplebsdf", "bootstrapsamples", "chains", "mutationsperpixel"]);
     params.ignore(&["largestepprobability", "sigma", "photonsperiteration", "radius", "seed", "visualizestrategies"]);
@@ -146,7 +155,8 @@ pub fn integrator(kind: &str, params: &Params, reader: &mut Reader) -> Result<()
 pub fn sampler(params: &Params, reader: &mut Reader) -> Result<()> {
     let count = params.integer_or("pixelsamples", 16)?;
     let count = u32::try_from(count).ok().filter(|count| (1..=1 << 31).contains(count));
-    reader.samples = count.ok_or_else(|| params.error_at("pixelsamples", "expected 1 to 2147483648"))?;
+    reader.made.parts.render.samples =
+        count.ok_or_else(|| params.error_at("pixelsamples", "expected 1 to 2147483648"))?;
     params.ignore(&["seed", "randomization", "xsamples", "ysamples", "jitter"]);
     reader.end(params);
     Ok(())

@@ -1,38 +1,48 @@
 //! Lights.
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 
-use super::params::{Params, Spectrum};
+use super::params::{Params, Spectrum, unit};
 use super::reader::{Area, Medium, Reader};
 use crate::error::Result;
 use crate::printable::quote;
-use crate::scene::types::{Background, Colour, Falloff, Object};
+use crate::scene::imported::spectrum;
+use crate::scene::imported::transform::turns;
+use crate::scene::types::{Background, Colour, Falloff, Object, SkyLayout};
 
-/// The light of a parameter, times its `scale` and that of the film. Without it, that of the colour space's white.
-fn emitted(params: &Params, name: &str, reader: &Reader) -> Result<Colour> {
+/// The light of a parameter, times its `scale` and that of the film. Without it, that of the colour space's white. `total`: the parameter that
+/// may give the light of all directions or of a plane, and what that is of a light of 1, if it is known.
+fn emitted(params: &Params, name: &str, total: (&str, f64), reader: &Reader) -> Result<Colour> {
     let colour = match params.spectrum(name)? {
         None => Colour::ONE,
         Some(Spectrum::Rgb(colour) | Spectrum::Curve { light: colour, .. }) => colour,
-        Some(Spectrum::Named(name)) if ["stdillum-D65", "illum-D65"].contains(&name.as_str()) => Colour::ONE,
+        Some(Spectrum::Named(name)) if name == "stdillum-D65" => Colour::ONE,
+        // The standard is a black body of this temperature.
+        Some(Spectrum::Named(name)) if name == "stdillum-A" => unit(spectrum::of_black_body(2855.5)),
         Some(Spectrum::Named(other)) => {
             return Err(
                 params.error_at(name, format!("the spectrum {} is not read: give rgb or blackbody", quote(&other)))
             );
         }
     };
-    for name in ["power", "illuminance"] {
-        if params.has(name) {
-            return Err(params.error_at(name, format!("{name} is not read: give the light its scale")));
+    let scale = params.number_or("scale", 1.0)? * reader.film.scale;
+    let (name, of_one) = total;
+    Ok(match params.number(name)?.filter(|total| *total > 0.0) {
+        Some(_) if of_one == 0.0 => {
+            return Err(params.error_at(name, format!("{name} is not read here: give the light its scale")));
         }
-    }
-    Ok(colour * (params.number_or("scale", 1.0)? * reader.film.scale))
+        Some(total) => colour * (scale * total / of_one),
+        None => colour * scale,
+    })
 }
 
 pub fn area(kind: &str, params: Params, reader: &mut Reader) -> Result<Area> {
     if kind != "diffuse" {
         return Err(params.error("this area light is not read: expected diffuse"));
     }
-    let radiance = emitted(&params, "L", reader)?;
+    let radiance = emitted(&params, "L", ("power", 0.0), reader)?;
     if params.has("filename") {
         return Err(params.error_at("filename", "an image of an area light is not read"));
     }
@@ -45,28 +55,41 @@ pub fn light(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
     let ctm = reader.state.ctm;
     let from = ctm.transform_point3(params.point_or("from", DVec3::ZERO)?);
     let object = match kind {
-        "point" => Object::PointLight { at: from, intensity: emitted(params, "I", reader)? },
+        "point" => Object::PointLight { at: from, intensity: emitted(params, "I", ("power", 4.0 * PI), reader)? },
         "spot" => {
             let towards = ctm.transform_point3(params.point_or("to", DVec3::Z)?);
             let outer = params.number_or("coneangle", 30.0)?;
             let inner = outer - params.number_or("conedeltaangle", 5.0)?;
-            let intensity = emitted(params, "I", reader)?;
+            // The light falls by a half between both cones.
+            let [full, none] = [inner, outer].map(|angle| 1.0 - angle.to_radians().cos());
+            let intensity = emitted(params, "I", ("power", PI * (full + none)), reader)?;
             Object::SpotLight { at: from, towards, intensity, inner, outer, falloff: Falloff::Smooth }
         }
         "distant" => {
             let to = ctm.transform_point3(params.point_or("to", DVec3::Z)?);
-            Object::DirectionalLight { direction: to - from, irradiance: emitted(params, "L", reader)? }
+            Object::DirectionalLight {
+                direction: to - from,
+                irradiance: emitted(params, "L", ("illuminance", 1.0), reader)?,
+            }
         }
         "infinite" => {
-            if reader.background.is_some() {
+            if reader.made.parts.background.is_some() {
                 return Err(params.error("expected one infinite light, found another"));
             }
-            if params.has("filename") {
-                let message = "an image of an infinite light is not read, as it is not in latitude and longitude";
-                return Err(params.error_at("filename", message));
-            }
-            reader.places.insert("background".to_owned(), params.at.location());
-            reader.background = Some(Background::Solid(emitted(params, "L", reader)?));
+            reader.made.place(&["background"], &params.at);
+            let of_plane = if params.has("filename") { 0.0 } else { PI };
+            let radiance = emitted(params, "L", ("illuminance", of_plane), reader)?;
+            reader.made.parts.background = Some(match params.word("filename")? {
+                None => Background::Solid(radiance),
+                Some(file) => {
+                    let turned = turns(&ctm);
+                    let by = turned.ok_or_else(|| params.error("expected a transform that turns the sky alone"))?;
+                    let message = "its square is resampled to latitude and longitude";
+                    reader.made.lose(&params.at, &params.title, message);
+                    let path = reader.made.named(&reader.resolve(file, params.place_of("filename")));
+                    Background::Image { path, tint: radiance, by, layout: SkyLayout::Octahedral }
+                }
+            });
             reader.end(params);
             return Ok(());
         }

@@ -6,7 +6,8 @@ use super::params::{Params, Spectrum};
 use super::reader::{AS_THEY_ARE, Mapping, Reader};
 use crate::error::Result;
 use crate::printable::quote;
-use crate::scene::mitsuba::tables;
+use crate::scene::imported::surface::Facets;
+use crate::scene::imported::tables;
 use crate::scene::types::*;
 
 const KNOWN: &str =
@@ -30,7 +31,7 @@ pub fn material(kind: &str, params: &Params, reader: &mut Reader) -> Result<Opti
     for name in ["displacement", "normalmap"] {
         if params.has(name) {
             params.ignore(&[name]);
-            reader.lose(
+            reader.made.lose(
                 params.place_of(name),
                 &params.title,
                 &format!("its {name} is left out: the surface is smooth"),
@@ -43,12 +44,12 @@ pub fn material(kind: &str, params: &Params, reader: &mut Reader) -> Result<Opti
         "coateddiffuse" => Some(coated(params, reader)?),
         "diffusetransmission" => Some(translucent(params, reader)?),
         "dielectric" => {
-            let (ior, facets) = (index(params, reader)?, Facets::of(params, reader)?);
-            Some(match facets.is_smooth() {
+            let (ior, facets) = (index(params, reader)?, facets(params, reader)?);
+            Some(match facets.roughness == 0.0 && facets.anisotropy == 0.0 {
                 true => Material::Dielectric(Dielectric { ior, ..Dielectric::default() }),
                 false => Material::RoughDielectric(RoughDielectric {
                     ior,
-                    roughness: facets.roughness,
+                    roughness: Texture::grey(facets.roughness),
                     anisotropy: facets.anisotropy,
                     anisotropy_rotation: facets.rotation,
                     ..RoughDielectric::default()
@@ -76,7 +77,7 @@ pub fn lambertian(albedo: Texture) -> Material {
 fn coated(params: &Params, reader: &mut Reader) -> Result<Material> {
     for (name, usual) in [("thickness", 0.01), ("g", 0.0)] {
         if params.number_or(name, usual)? != usual {
-            reader.lose(
+            reader.made.lose(
                 params.place_of(name),
                 &params.title,
                 &format!("its {name} is not used: nothing lies in its layer"),
@@ -85,12 +86,16 @@ fn coated(params: &Params, reader: &mut Reader) -> Result<Material> {
     }
     params.ignore(&["maxdepth", "nsamples"]);
     if params.colour("albedo")?.is_some_and(|albedo| albedo != Colour::ZERO) {
-        reader.lose(params.place_of("albedo"), &params.title, "its albedo is not used: nothing lies in its layer");
+        reader.made.lose(params.place_of("albedo"), &params.title, "its albedo is not used: nothing lies in its layer");
+    }
+    let facets = facets(params, reader)?;
+    if facets.anisotropy != 0.0 {
+        return Err(params.error("expected one roughness for u and v"));
     }
     Ok(Material::Plastic(Plastic {
         diffuse: texture_or(params, "reflectance", 0.5, reader)?,
         ior: index(params, reader)?,
-        roughness: Facets::of(params, reader)?.plain(params)?,
+        roughness: facets.roughness,
         nonlinear: true,
         ..Plastic::default()
     }))
@@ -126,7 +131,7 @@ fn translucent(params: &Params, reader: &mut Reader) -> Result<Material> {
 }
 
 fn conductor(params: &Params, reader: &mut Reader) -> Result<Material> {
-    let facets = Facets::of(params, reader)?;
+    let facets = facets(params, reader)?;
     let (eta, k) = match params.has("reflectance") {
         true if params.has("eta") || params.has("k") => {
             return Err(params.error("expected a reflectance, or eta and k, found both"));
@@ -144,7 +149,7 @@ fn conductor(params: &Params, reader: &mut Reader) -> Result<Material> {
     Ok(Material::Conductor(Conductor {
         eta: Some(eta),
         k: Some(k),
-        roughness: facets.roughness,
+        roughness: Texture::grey(facets.roughness),
         anisotropy: facets.anisotropy,
         anisotropy_rotation: facets.rotation,
         ..Conductor::default()
@@ -202,7 +207,11 @@ fn index(params: &Params, reader: &mut Reader) -> Result<f64> {
             let unknown =
                 || params.error_at("eta", format!("the glass {} is not known here: give a float", quote(&name)));
             let (_, ior) = known.ok_or_else(unknown)?;
-            reader.lose(params.place_of("eta"), &params.title, &format!("its index is {ior} for all colours here"));
+            reader.made.lose(
+                params.place_of("eta"),
+                &params.title,
+                &format!("its index is {ior} for all colours here"),
+            );
             ior
         }
         Some(_) => return Err(params.error_at("eta", "expected one number, or the name of a glass")),
@@ -213,54 +222,28 @@ fn index(params: &Params, reader: &mut Reader) -> Result<f64> {
     }
 }
 
-/// The microfacets of a material.
-struct Facets {
-    /// The square root of alpha.
-    roughness: Texture,
-    anisotropy: f64,
-    /// In degrees, from u towards v.
-    rotation: f64,
-}
-
-impl Facets {
-    /// The roughness of u and v, of which pbrt takes the root as alpha unless `remaproughness` is false.
-    fn of(params: &Params, reader: &mut Reader) -> Result<Facets> {
-        let remaps = params.flag_or("remaproughness", true)?;
-        let usual = number_or(params, "roughness", 0.0, reader)?;
-        let one = |name: &str, reader: &mut Reader| match params.has(name) {
-            true => number_or(params, name, 0.0, reader),
-            false => Ok(usual.clone()),
-        };
-        let (u, v) = (one("uroughness", reader)?, one("vroughness", reader)?);
-        let (Some(u), Some(v)) = (u.plain(), v.plain()) else {
-            return Err(params.error("a texture of roughness is not read"));
-        };
-        let [u, v] = [u.x, v.x].map(|x| if remaps { x.max(0.0).sqrt() } else { x.max(0.0) });
-        if u.max(v) > 1.0 {
-            reader.lose(&params.at, &params.title, &format!("its alpha {} counts as 1", u.max(v)));
-        }
-        let (least, most) = (u.min(v).min(1.0), u.max(v).min(1.0));
-        if most > least && reader.mapping.get().is_none() {
-            reader.mapping.set(Some(AS_THEY_ARE));
-        }
-        Ok(Facets {
-            // pbrt takes less as smooth.
-            roughness: Texture::grey(if most < 1e-3 { 0.0 } else { least.sqrt() }),
-            anisotropy: if most > least { ((most - least) / (1.0 - least)).sqrt() } else { 0.0 },
-            rotation: if v > u { 90.0 } else { 0.0 },
-        })
+/// The microfacets of a material, from the roughness of u and v, whose root pbrt takes as alpha unless `remaproughness` is false.
+fn facets(params: &Params, reader: &mut Reader) -> Result<Facets> {
+    let remaps = params.flag_or("remaproughness", true)?;
+    let usual = number_or(params, "roughness", 0.0, reader)?;
+    let one = |name: &str, reader: &mut Reader| match params.has(name) {
+        true => number_or(params, name, 0.0, reader),
+        false => Ok(usual.clone()),
+    };
+    let (u, v) = (one("uroughness", reader)?, one("vroughness", reader)?);
+    let (Some(u), Some(v)) = (u.plain(), v.plain()) else {
+        return Err(params.error("a texture of roughness is not read"));
+    };
+    let [u, v] = [u.x, v.x].map(|x| if remaps { x.max(0.0).sqrt() } else { x.max(0.0) });
+    if u.max(v) > 1.0 {
+        reader.made.lose(&params.at, &params.title, &format!("its alpha {} counts as 1", u.max(v)));
     }
-
-    fn is_smooth(&self) -> bool {
-        self.roughness == Texture::grey(0.0) && self.anisotropy == 0.0
+    // pbrt takes less as smooth.
+    let is_smooth = u.max(v) < 1e-3;
+    if u != v && !is_smooth && reader.mapping.get().is_none() {
+        reader.mapping.set(Some(AS_THEY_ARE));
     }
-
-    fn plain(self, params: &Params) -> Result<f64> {
-        match (self.anisotropy, self.roughness.plain()) {
-            (0.0, Some(roughness)) => Ok(roughness.x),
-            _ => Err(params.error("expected one roughness for u and v")),
-        }
-    }
+    Ok(if is_smooth { Facets::of(0.0, 0.0, Distribution::Ggx) } else { Facets::of(u, v, Distribution::Ggx) })
 }
 
 /// A number that may be a texture.
@@ -315,6 +298,15 @@ pub fn texture(kind: &str, is_colour: bool, params: &Params, reader: &mut Reader
                 _ => return Err(params.error_at("tex", "this texture cannot be scaled here")),
             }
         }
+        "mix" => {
+            let (a, b) = (one("tex1", 0.0, reader)?, one("tex2", 1.0, reader)?);
+            let plain = [a, b, number_or(params, "amount", 0.5, reader)?].map(|part| part.plain());
+            let [Some(a), Some(b), Some(amount)] = plain else {
+                return Err(params.error("textures in a mix are not read"));
+            };
+            let Colour { x, y, z } = a + amount.x * (b - a);
+            Texture::Rgb(x, y, z)
+        }
         "checkerboard" => {
             if params.integer_or("dimension", 2)? != 2 {
                 return Err(params.error_at("dimension", "expected 2: others are not read"));
@@ -327,7 +319,7 @@ pub fn texture(kind: &str, is_colour: bool, params: &Params, reader: &mut Reader
         }
         "imagemap" => {
             let file = params.word("filename")?.ok_or_else(|| params.error("expected its filename"))?;
-            let path = reader.named(&reader.resolve(file, params.place_of("filename")));
+            let path = reader.made.named(&reader.resolve(file, params.place_of("filename")));
             params.ignore(&["filter", "maxanisotropy"]);
             let wrap = match params.word("wrap")?.unwrap_or("repeat") {
                 "repeat" => Wrap::Repeat,
@@ -342,7 +334,7 @@ pub fn texture(kind: &str, is_colour: bool, params: &Params, reader: &mut Reader
                 return Err(params.error_at("encoding", "expected sRGB for colours: others are not read"));
             }
             if encoding == "sRGB" && !is_colour && !is_linear(file) {
-                reader.lose(&params.at, &params.title, "its codes count as linear here: write encoding linear");
+                reader.made.lose(&params.at, &params.title, "its codes count as linear here: write encoding linear");
             }
             Texture::Image {
                 path,
@@ -353,7 +345,7 @@ pub fn texture(kind: &str, is_colour: bool, params: &Params, reader: &mut Reader
             }
         }
         _ => {
-            let message = "this texture is not read: expected constant, scale, checkerboard or imagemap";
+            let message = "this texture is not read: expected constant, scale, mix, checkerboard or imagemap";
             return Err(params.error(message));
         }
     };

@@ -1,13 +1,14 @@
 //! The parameters of a directive: each is asked for by its name, and those that nobody asks for are errors.
 
 use std::cell::Cell;
+use std::path::PathBuf;
 
 use glam::{DVec2, DVec3};
 
-use super::tokens::{self, Place, Token, Tokens, number_of};
+use super::tokens::{self, Notation, Token, Tokens, number_of};
 use crate::error::{Error, Result};
 use crate::printable::{counted, quote};
-use crate::scene::mitsuba::spectrum;
+use crate::scene::imported::{Place, spectrum};
 use crate::scene::types::Colour;
 
 #[derive(Clone, Debug)]
@@ -46,6 +47,11 @@ pub enum Spectrum {
     Named(String),
 }
 
+/// The colour of a light with a luminance of 1.
+pub fn unit(colour: Colour) -> Colour {
+    colour / crate::data::luminance(colour.to_array()).max(f64::MIN_POSITIVE)
+}
+
 impl Params {
     /// Reads the parameters that come next.
     pub fn read(title: String, at: Place, tokens: &mut Tokens<'_>) -> tokens::Result<Params> {
@@ -55,15 +61,31 @@ impl Params {
             let at = tokens.place();
             let mut words = declared.split_ascii_whitespace();
             let (Some(kind), Some(name), None) = (words.next(), words.next(), words.next()) else {
-                return Err(at.notation(&title, format!("expected \"type name\", found {}", quote(declared))));
+                return Err(Notation::at(&at, &title, format!("expected \"type name\", found {}", quote(declared))));
             };
             if all.iter().any(|known| known.name == name) {
-                return Err(at.notation(&title, format!("{name} is given twice")));
+                return Err(Notation::at(&at, &title, format!("{name} is given twice")));
             }
             let values = values(&format!("{title}.{name}"), tokens)?;
             all.push(Param { kind: kind.to_owned(), name: name.to_owned(), values, at, used: Cell::new(false) });
         }
         Ok(Params { title, at, all })
+    }
+
+    /// Takes spectra of files into the parameters that name them. `resolve` gives the path of a file.
+    pub fn with_files(mut self, mut resolve: impl FnMut(&str, &Place) -> PathBuf) -> Result<Params> {
+        for param in self.all.iter_mut().filter(|param| param.kind == "spectrum") {
+            if let Values::Words(words) = &param.values
+                && let [file] = &words[..]
+                && file.ends_with(".spd")
+            {
+                let pairs = spectrum::pairs_of_file(&resolve(file, &param.at));
+                let what = format!("{}.{}", self.title, param.name);
+                let pairs = pairs.map_err(|reason| param.at.error(&what, reason))?;
+                param.values = Values::Numbers(pairs.into_iter().flat_map(|(at, value)| [at, value]).collect());
+            }
+        }
+        Ok(self)
     }
 
     /// The parameters with those of a default, where they are not given.
@@ -222,7 +244,6 @@ impl Params {
 
     pub fn spectrum(&self, name: &str) -> Result<Option<Spectrum>> {
         let Some(param) = self.find(name, &["rgb", "spectrum", "blackbody", "float"])? else { return Ok(None) };
-        let unit = |colour: Colour| colour / crate::data::luminance(colour.to_array()).max(f64::MIN_POSITIVE);
         Ok(Some(match (param.kind.as_str(), &param.values) {
             ("rgb", Values::Numbers(all)) if all.len() == 3 => Spectrum::Rgb(Colour::new(all[0], all[1], all[2])),
             ("rgb", _) => return Err(self.error_at(name, "expected three numbers")),
@@ -235,7 +256,7 @@ impl Params {
             (_, Values::Words(words)) if words.len() == 1 => Spectrum::Named(words[0].clone()),
             (_, Values::Numbers(all)) => {
                 let pairs: Vec<(f64, f64)> = all.as_chunks::<2>().0.iter().map(|[at, value]| (*at, *value)).collect();
-                if all.len() % 2 != 0 || pairs.is_empty() || !pairs.is_sorted_by(|a, b| a.0 < b.0) {
+                if all.len() % 2 != 0 || !spectrum::rise(&pairs) {
                     let message = "expected wavelengths that rise, each with its value";
                     return Err(self.error_at(name, message));
                 }
@@ -283,7 +304,7 @@ fn values(what: &str, tokens: &mut Tokens<'_>) -> tokens::Result<Values> {
                 Some(number) => numbers.push(number),
                 None => {
                     let message = format!("expected {expected}, found {}", token.words());
-                    return Err(tokens.place().notation(what, message));
+                    return Err(Notation::at(&tokens.place(), what, message));
                 }
             },
         }
@@ -293,10 +314,10 @@ fn values(what: &str, tokens: &mut Tokens<'_>) -> tokens::Result<Values> {
         token = tokens.expect(what, "]")?;
     }
     match (words.is_empty(), numbers.is_empty()) {
-        (false, false) => Err(tokens.place().notation(what, "expected numbers or texts, found both")),
+        (false, false) => Err(Notation::at(&tokens.place(), what, "expected numbers or texts, found both")),
         (false, true) => Ok(Values::Words(words)),
         (true, _) if !is_list && numbers.is_empty() => {
-            Err(tokens.place().notation(what, format!("expected {expected}, found ]")))
+            Err(Notation::at(&tokens.place(), what, format!("expected {expected}, found ]")))
         }
         (true, _) => Ok(Values::Numbers(numbers)),
     }

@@ -1,24 +1,15 @@
 //! The state of a run through the directives: what they have made so far, and what was said about them.
 
 use std::cell::Cell;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::rc::Rc;
 
-use glam::{DAffine3, DVec2};
+use glam::{DAffine3, DVec2, DVec3};
 
 use super::params::{Param, Params};
-use super::tokens::Place;
-use crate::error::{Location, Result};
-use crate::printable::quote;
-use crate::scene::assets::Assets;
-use crate::scene::findings::Findings;
-use crate::scene::mitsuba::mesh;
-use crate::scene::mitsuba::reader::free_name;
-use crate::scene::mitsuba::transform::moved;
+use crate::scene::imported::{Imported, Place};
 use crate::scene::types::*;
-use crate::scene::write::named;
-use crate::shape::mesh::Mesh;
 
 /// A material as a directive gives it; nothing where surfaces only bound media.
 pub struct Look {
@@ -56,7 +47,7 @@ pub type On = (Option<String>, Option<Mapping>);
 pub const AS_THEY_ARE: Mapping = [DVec2::ONE, DVec2::ZERO];
 
 /// The state for the shapes and lights that come next.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct State {
     pub ctm: DAffine3,
     /// The index of the material.
@@ -71,19 +62,18 @@ pub struct State {
 }
 
 /// The shapes of an object that instances show.
+#[derive(Default)]
 pub struct Definition {
     pub name: String,
     pub objects: Vec<Object>,
+    /// What they were made of, for instances that are not even.
+    pub shapes: Vec<(String, Params, State)>,
 }
 
 pub struct Reader<'a> {
-    /// The scene file that is written, to whose folder paths are relative.
-    pub to: PathBuf,
+    pub made: Imported<'a>,
     /// The folder of the scene's first file.
     pub folder: PathBuf,
-    /// Whether the scene is read from where it stays.
-    pub is_in_place: bool,
-    pub lossless: bool,
     pub state: State,
     pub in_world: bool,
     pub systems: HashMap<String, DAffine3>,
@@ -95,28 +85,12 @@ pub struct Reader<'a> {
     /// The mapping of the textures that a surface has so far.
     pub mapping: Cell<Option<Mapping>>,
     pub media: HashMap<String, Medium>,
-    pub definitions: HashMap<String, Vec<Object>>,
+    pub definitions: HashMap<String, Rc<Definition>>,
     /// The object that is being defined.
     pub definition: Option<Definition>,
-    pub objects: Vec<Object>,
-    pub materials: Vec<(String, Material)>,
-    /// The names of materials by what they are, and those of shapes by their material, area light and alpha.
-    same: HashMap<String, String>,
+    /// The materials and mappings of shapes, by their look, area light and alpha.
     pub known: HashMap<(usize, Option<usize>, String), On>,
-    names: HashMap<String, usize>,
-    pub meshes: BTreeMap<String, Arc<Mesh>>,
-    told: HashSet<(String, String)>,
-    pub notes: Vec<String>,
-    pub files: Vec<PathBuf>,
-    pub places: HashMap<String, Location>,
-    pub findings: Findings,
-    pub camera: Option<Camera>,
-    pub image: ImageSize,
     pub film: Film,
-    pub samples: u32,
-    pub max_depth: u32,
-    pub background: Option<Background>,
-    pub assets: &'a mut Assets,
 }
 
 /// A homogeneous medium.
@@ -129,23 +103,18 @@ pub struct Medium {
 }
 
 impl<'a> Reader<'a> {
-    pub fn new(path: &Path, to: &Path, lossless: bool, assets: &'a mut Assets) -> Reader<'a> {
+    pub fn new(path: &Path, mut made: Imported<'a>) -> Reader<'a> {
+        made.parts.objects = Some(Vec::new());
+        made.parts.render = RenderDefaults { samples: 16, max_depth: 5 };
+        made.parts.image = Some(ImageSize { width: 1280, height: 720 });
+        made.parts.camera = Some(Camera::pinhole(DVec3::ZERO, DVec3::Z, DVec3::Y, 90.0));
         let at = Place { file: path.into(), line: 1, column: 1 };
         let matt = Lambertian { albedo: Texture::grey(0.5), ..Lambertian::default() };
         let first = Look { material: Some(Material::Lambertian(matt)), mapping: None, name: "default".to_owned(), at };
         Reader {
-            to: to.to_owned(),
+            made,
             folder: path.parent().unwrap_or(Path::new("")).to_owned(),
-            is_in_place: path == to,
-            lossless,
-            state: State {
-                ctm: DAffine3::IDENTITY,
-                look: 0,
-                area: None,
-                is_reversed: false,
-                inside: String::new(),
-                defaults: HashMap::new(),
-            },
+            state: State::default(),
             in_world: false,
             systems: HashMap::new(),
             looks: vec![first],
@@ -156,104 +125,39 @@ impl<'a> Reader<'a> {
             media: HashMap::new(),
             definitions: HashMap::new(),
             definition: None,
-            objects: Vec::new(),
-            materials: Vec::new(),
-            same: HashMap::new(),
             known: HashMap::new(),
-            names: HashMap::new(),
-            meshes: BTreeMap::new(),
-            told: HashSet::new(),
-            notes: Vec::new(),
-            files: Vec::new(),
-            places: HashMap::new(),
-            findings: Findings::default(),
-            camera: None,
-            image: ImageSize { width: 1280, height: 720 },
             film: Film { width: 1280.0, height: 720.0, crop: [0.0, 1280.0, 0.0, 720.0], scale: 1.0 },
-            samples: 16,
-            max_depth: 5,
-            background: None,
-            assets,
-        }
-    }
-
-    /// Tells what is not as the file says; with `--lossless` it is an error.
-    pub fn lose(&mut self, at: &Place, what: &str, message: &str) {
-        if !self.told.insert((at.location().to_string(), message.to_owned())) {
-            return;
-        }
-        match self.lossless {
-            true => self.findings.refuse(at.error(what, format!("{message} (--lossless)"))),
-            false => self.notes.push(at.error(what, message).to_string()),
         }
     }
 
     /// Refuses the parameters that nobody has asked for.
     pub fn end(&mut self, params: &Params) {
-        self.findings.record_all(params.unused());
+        self.made.findings.record_all(params.unused());
     }
 
     /// Adds a shape or a light of the scene, or of the object that is being defined.
     pub fn add_object(&mut self, object: Object, at: &Place) {
         match &mut self.definition {
             Some(definition) => definition.objects.push(object),
-            None => {
-                self.places.insert(format!("objects[{}]", self.objects.len()), at.location());
-                self.objects.push(object);
-            }
+            None => self.made.add_object(object, at),
         }
     }
 
-    /// The name of a material, which is that of its directive if it is free. Equal materials have one.
+    /// The name of a material, which is that of its directive if it is free.
     pub fn add_material(&mut self, material: Material, base: &str, at: &Place) -> String {
-        let key = format!("{base} {material:?}");
-        if let Some(known) = self.same.get(&key) {
-            return known.clone();
-        }
-        let name = free_name(&mut self.names, base);
-        self.places.insert(format!("materials[{name:?}]"), at.location());
-        self.materials.push((name.clone(), material));
-        self.same.insert(key, name.clone());
-        name
-    }
-
-    /// Adds a mesh that no file has.
-    pub fn add_mesh(&mut self, mesh: Mesh, material: Option<String>) -> Object {
-        let path = mesh::path_of(&self.to, self.is_in_place, self.meshes.len());
-        self.meshes.insert(path.clone(), Arc::new(mesh));
-        Object::Mesh { path, material }
+        let index = self.made.add_material(material, base, at);
+        self.made.parts.materials[index].0.clone()
     }
 
     /// A file that a directive names: beside the scene's first file, as pbrt has it, or else beside the file of the directive.
     pub fn resolve(&self, name: &str, at: &Place) -> PathBuf {
         let beside_first = self.folder.join(name);
-        let beside = at.file.parent().unwrap_or(Path::new("")).join(name);
+        let beside = at.folder().join(name);
         if !beside_first.exists() && beside.exists() { beside } else { beside_first }
-    }
-
-    /// The path of a file as the scene names it.
-    pub fn named(&self, file: &Path) -> String {
-        named(file, &self.to, self.is_in_place)
     }
 
     /// Notes the mapping of a texture. The result says whether it is that of the other textures of the surface.
     pub fn has_mapping(&self, mapping: Mapping) -> bool {
         self.mapping.replace(Some(mapping)).is_none_or(|other| other == mapping)
-    }
-
-    /// The shapes of an object, placed.
-    pub fn instance(&mut self, name: &str, at: &Place) -> Result<()> {
-        let what = "ObjectInstance";
-        if self.definition.is_some() {
-            return Err(at.error(what, "expected no instance inside of an object, as pbrt has it"));
-        }
-        let Some(objects) = self.definitions.get(name) else {
-            return Err(at.error(what, format!("there is no object {}", quote(name))));
-        };
-        let group = Object::Group(objects.clone());
-        let uneven = "expected a transform of turns, shifts and one positive scale: others of instances are not read";
-        let placed = moved(&self.state.ctm, group).ok_or_else(|| at.error(what, uneven))?;
-        self.add_object(placed, at);
-        Ok(())
     }
 }

@@ -1,20 +1,20 @@
 //! Shapes: as our own where they are the same, as meshes elsewhere.
 
+use std::rc::Rc;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec2};
 
 use super::material::{lambertian, number_or};
 use super::params::Params;
-use super::reader::{AS_THEY_ARE, Mapping, Medium, On, Reader};
+use super::reader::{AS_THEY_ARE, Mapping, Medium, On, Reader, State};
 use crate::error::Result;
 use crate::printable::quote;
 use crate::scene::draft::{Draft, MOST_BYTES};
 use crate::scene::file::OnProgress;
+use crate::scene::imported::transform::moved;
+use crate::scene::imported::{Place, mesh, surface as surfaces};
 use crate::scene::mesh_files::load_file;
-use crate::scene::mitsuba::mesh;
-use crate::scene::mitsuba::shape::{POLES, without_material};
-use crate::scene::mitsuba::transform::moved;
 use crate::scene::types::*;
 use crate::shape::mesh::Mesh;
 
@@ -22,8 +22,15 @@ const KNOWN: &str = "sphere, disk, cylinder, trianglemesh, bilinearmesh, plymesh
 
 pub fn shape(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mut Reader) -> Result<()> {
     if ["curve", "loopsubdiv"].contains(&kind) {
-        reader.lose(&params.at, &params.title, "it is left out: this shape is not read");
+        reader.made.lose(&params.at, &params.title, "it is left out: this shape is not read");
         return Ok(());
+    }
+    if let Some(definition) = &mut reader.definition {
+        if reader.state.area.take().is_some() {
+            let note = params.at.error(&params.title, "it emits nothing: pbrt has no area lights in objects");
+            reader.made.notes.push(note.to_string());
+        }
+        definition.shapes.push((kind.to_owned(), params.clone(), reader.state.clone()));
     }
     let by = reader.state.ctm;
     if by.matrix3.determinant() == 0.0 || !by.is_finite() {
@@ -42,11 +49,11 @@ pub fn shape(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mu
         "sphere" => sphere(params, &by, look, reader)?,
         "disk" => disk(params, &by, look, reader)?,
         "cylinder" => {
-            let radius = whole(params)?;
+            let (radius, turn) = round(params)?;
             let (low, high) = (params.number_or("zmin", -1.0)?, params.number_or("zmax", 1.0)?);
             let scale = DAffine3::from_scale(DVec3::new(radius, radius, high - low));
             let placed = by * DAffine3::from_translation(DVec3::new(0.0, 0.0, low)) * scale;
-            made(params, mesh::cylinder(), &placed, look, reader)
+            made(params, mesh::cylinder(turn), &placed, look, reader)
         }
         "trianglemesh" => {
             let mesh = triangles(params)?;
@@ -63,7 +70,7 @@ pub fn shape(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mu
     // Glass has the absorption of a medium that scatters nothing.
     let inside = inside.filter(|medium| !(medium.albedo == Colour::ZERO && is_glass(reader)));
     if let Some(medium) = inside {
-        let boundary = without_material(object.clone());
+        let boundary = surfaces::without_material(object.clone());
         let Medium { extinction, albedo: Colour { x, y, z }, anisotropy, at } = medium;
         if extinction != Colour::splat(extinction.x) {
             let channels = extinction.to_array();
@@ -82,6 +89,34 @@ pub fn shape(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mu
     Ok(())
 }
 
+/// The shapes of an object, placed.
+pub fn instance(name: &str, at: &Place, progress: &mut OnProgress, reader: &mut Reader) -> Result<()> {
+    let what = "ObjectInstance";
+    if reader.definition.is_some() {
+        return Err(at.error(what, "expected no instance inside of an object, as pbrt has it"));
+    }
+    let missing = || at.error(what, format!("there is no object {}", quote(name)));
+    let definition = Rc::clone(reader.definitions.get(name).ok_or_else(missing)?);
+    let by = reader.state.ctm;
+    if moved(&by, Object::Group(Vec::new())).is_some() {
+        let group = moved(&by, Object::Group(definition.objects.clone()));
+        group.into_iter().for_each(|group| reader.add_object(group, at));
+        return Ok(());
+    }
+    // The transform of each shape takes up what an instance cannot have.
+    for (kind, params, state) in &definition.shapes {
+        let placed = State { ctm: by * state.ctm, ..state.clone() };
+        let before = std::mem::replace(&mut reader.state, placed);
+        let done = shape(kind, params, progress, reader);
+        reader.state = before;
+        done?;
+        if reader.made.findings.is_full() {
+            break;
+        }
+    }
+    Ok(())
+}
+
 /// The name of the material of a shape, which may emit and have an alpha, or nothing for an interface; and the mapping of its textures.
 fn surface(params: &Params, inside: Option<&Medium>, reader: &mut Reader) -> Result<On> {
     reader.mapping.set(reader.looks[reader.state.look].mapping);
@@ -92,45 +127,30 @@ fn surface(params: &Params, inside: Option<&Medium>, reader: &mut Reader) -> Res
         return Ok(known.clone());
     }
     let look = &reader.looks[key.0];
-    let (found, name, at) = (look.material.clone(), look.name.clone(), look.at.clone());
+    let (mut found, name, at) = (look.material.clone(), look.name.clone(), look.at.clone());
     let area = key.1.and_then(|area| reader.areas.get(area));
     let light = area.map(|area| (area.radiance, area.is_two_sided, area.at.clone()));
-    let found = match (found, absorption) {
-        (Some(Material::Dielectric(own)), Some(_)) => Some(Material::Dielectric(Dielectric { absorption, ..own })),
-        (Some(Material::RoughDielectric(own)), Some(_)) => {
-            Some(Material::RoughDielectric(RoughDielectric { absorption, ..own }))
-        }
-        (found, _) => found,
-    };
-    let found = match light {
-        None => found,
-        Some((Colour { x, y, z }, two_sided, place)) => {
-            let emit = Texture::Rgb(x, y, z);
-            let found = found.unwrap_or_else(|| lambertian(Texture::grey(0.0)));
-            let is_black = matches!(&found, Material::Lambertian(own) if own.albedo == Texture::grey(0.0));
-            if !is_black && !two_sided {
-                reader.lose(&place, "AreaLightSource", "the backs of its shapes are black here");
-            }
-            match found {
-                _ if is_black => Some(Material::DiffuseLight(DiffuseLight { emit, two_sided })),
-                Material::Lambertian(own) => {
-                    Some(Material::Lambertian(Lambertian { emission: Some(emit), one_sided: !two_sided, ..own }))
-                }
-                Material::Plastic(own) => {
-                    Some(Material::Plastic(Plastic { emission: Some(emit), one_sided: !two_sided, ..own }))
-                }
-                _ => return Err(place.error("AreaLightSource", "only diffuse and coateddiffuse shapes can emit here")),
+    if let Some(slot) = found.as_mut().and_then(surfaces::absorption_of) {
+        *slot = absorption;
+    }
+    if let Some((Colour { x, y, z }, two_sided, place)) = light {
+        let emit = Texture::Rgb(x, y, z);
+        let own = found.get_or_insert_with(|| lambertian(Texture::grey(0.0)));
+        if surfaces::is_black(own) {
+            *own = Material::DiffuseLight(DiffuseLight { emit, two_sided });
+        } else {
+            let wrong = || place.error("AreaLightSource", "only diffuse and coateddiffuse shapes can emit here");
+            let (emission, one_sided) = surfaces::emission_of(own).ok_or_else(wrong)?;
+            (*emission, *one_sided) = (Some(emit), !two_sided);
+            if !two_sided {
+                reader.made.lose(&place, "AreaLightSource", "the backs of its shapes are black here");
             }
         }
-    };
-    let found = match (found, alpha) {
-        (found, alpha) if alpha == Texture::grey(1.0) => found,
-        (Some(Material::Lambertian(own)), alpha) => Some(Material::Lambertian(Lambertian { alpha, ..own })),
-        (Some(Material::Plastic(own)), alpha) => Some(Material::Plastic(Plastic { alpha, ..own })),
-        (Some(Material::Pbr(own)), alpha) => Some(Material::Pbr(Pbr { alpha, ..own })),
-        (Some(Material::Mix(own)), alpha) => Some(Material::Mix(Mix { alpha, ..own })),
-        _ => return Err(params.error_at("alpha", "expected 1 for this material: others have no alpha here")),
-    };
+    }
+    if alpha != Texture::grey(1.0) {
+        let wrong = || params.error_at("alpha", "expected 1 for this material: others have no alpha here");
+        *found.as_mut().and_then(surfaces::alpha_of).ok_or_else(wrong)? = alpha;
+    }
     let made = (found.map(|material| reader.add_material(material, &name, &at)), reader.mapping.take());
     reader.known.insert(key, made.clone());
     Ok(made)
@@ -141,68 +161,57 @@ fn is_glass(reader: &Reader) -> bool {
     matches!(material, Some(Material::Dielectric(_) | Material::RoughDielectric(_)))
 }
 
-/// The radius of a quadric that is whole.
-fn whole(params: &Params) -> Result<f64> {
-    if params.number_or("phimax", 360.0)? < 360.0 {
-        return Err(params.error_at("phimax", "expected 360: parts of shapes are not read"));
-    }
-    let radius = params.number_or("radius", 1.0)?;
-    match radius > 0.0 {
-        true => Ok(radius),
-        false => Err(params.error_at("radius", format!("expected a radius above 0, found {radius}"))),
+/// The radius of a quadric, and its share of a turn.
+fn round(params: &Params) -> Result<(f64, f64)> {
+    let (radius, turn) = (params.number_or("radius", 1.0)?, params.number_or("phimax", 360.0)? / 360.0);
+    match radius > 0.0 && turn > 0.0 {
+        true => Ok((radius, turn.min(1.0))),
+        false => {
+            Err(params.error(format!("expected a radius and a phimax above 0, found {radius} and {}", 360.0 * turn)))
+        }
     }
 }
 
 fn sphere(params: &Params, by: &DAffine3, look: On, reader: &mut Reader) -> Result<Object> {
-    let radius = whole(params)?;
-    for (name, sign) in [("zmin", -1.0), ("zmax", 1.0)] {
-        if sign * params.number_or(name, sign * radius)? < radius {
-            return Err(params.error_at(name, "expected the whole sphere: parts of shapes are not read"));
-        }
+    let (radius, turn) = round(params)?;
+    let share = |name, usual: f64| {
+        Ok((params.number_or(name, usual * radius)?.clamp(-radius, radius) / radius).acos() / std::f64::consts::PI)
+    };
+    let (bottom, top) = (share("zmin", -1.0)?, share("zmax", 1.0)?);
+    if bottom <= top {
+        return Err(params.error_at("zmin", "expected a zmin below the zmax"));
     }
     let placed = *by * DAffine3::from_scale(DVec3::splat(radius));
-    // A mirror image of a sphere is a sphere.
-    let mirrors = placed.matrix3.determinant() < 0.0;
-    let round = if mirrors { placed * DAffine3::from_scale(DVec3::NEG_ONE) } else { placed };
-    let is_plain = moved(&round, Object::Group(Vec::new())).is_some() && !reader.state.is_reversed;
-    if is_plain && look.1.is_none() {
-        let radius = placed.matrix3.determinant().abs().cbrt();
-        return Ok(Object::Sphere { center: placed.translation, radius, material: look.0 });
-    }
-    let sphere = Object::Sphere { center: DVec3::ZERO, radius: 1.0, material: look.0.clone() };
-    let turned = moved(&(placed * DAffine3::from_mat3(POLES)), sphere);
-    Ok(match turned.filter(|_| is_plain && look.1 == Some(AS_THEY_ARE)) {
-        Some(object) => object,
-        None => made(params, mesh::sphere(), &placed, look, reader),
-    })
+    let as_they_are = look.1.map(|mapping| mapping == AS_THEY_ARE);
+    let is_whole = (top, bottom, turn) == (0.0, 1.0, 1.0) && !reader.state.is_reversed;
+    let ours = surfaces::sphere(&placed, &look.0, as_they_are).filter(|_| is_whole);
+    Ok(ours.unwrap_or_else(|| made(params, mesh::sphere(top, bottom, turn), &placed, look, reader)))
 }
 
-fn disk(params: &Params, by: &DAffine3, (material, mapping): On, reader: &mut Reader) -> Result<Object> {
-    let radius = whole(params)?;
-    if mapping.is_some() {
-        return Err(params.error("texture coordinates of a disk are not read"));
-    }
-    if params.number_or("innerradius", 0.0)? != 0.0 {
-        return Err(params.error_at("innerradius", "expected 0: a disk with a hole is not read"));
-    }
-    let center = by.transform_point3(DVec3::new(0.0, 0.0, params.number_or("height", 0.0)?));
-    let normal = by.matrix3.inverse().transpose().z_axis.normalize_or(DVec3::Z);
+fn disk(params: &Params, by: &DAffine3, look: On, reader: &mut Reader) -> Result<Object> {
+    let (radius, turn) = round(params)?;
+    let hole = params.number_or("innerradius", 0.0)? / radius;
+    let height = DVec3::new(0.0, 0.0, params.number_or("height", 0.0)?);
     let (x, y) = (by.matrix3.x_axis, by.matrix3.y_axis);
-    if (x.length() - y.length()).abs() > 1e-6 * x.length() || x.dot(y).abs() > 1e-6 * x.length_squared() {
-        return Err(params.error("expected a transform that leaves the disk round"));
+    let is_even = (x.length() - y.length()).abs() <= 1e-6 * x.length() && x.dot(y).abs() <= 1e-6 * x.length_squared();
+    if look.1.is_some() || hole != 0.0 || turn < 1.0 || !is_even {
+        let placed = *by * DAffine3::from_translation(height) * DAffine3::from_scale(DVec3::splat(radius));
+        return Ok(made(params, mesh::disk(hole.clamp(0.0, 1.0), turn), &placed, look, reader));
     }
+    let normal = by.matrix3.inverse().transpose().z_axis.normalize_or(DVec3::Z);
     let normal = if reader.state.is_reversed { -normal } else { normal };
-    Ok(Object::Disk { center, normal, radius: radius * x.length(), material })
+    let center = by.transform_point3(height);
+    Ok(Object::Disk { center, normal, radius: radius * x.length(), material: look.0 })
 }
 
 /// A mesh that no file has, with its transform in its vertices.
 fn made(params: &Params, mut mesh: Mesh, by: &DAffine3, look: On, reader: &mut Reader) -> Object {
-    if ["sphere", "cylinder"].iter().any(|kind| params.title.ends_with(kind)) {
+    if ["sphere", "cylinder", "disk"].iter().any(|kind| params.title.ends_with(kind)) {
         let message = format!("it becomes a mesh with {} edges around", mesh::AROUND);
-        reader.lose(&params.at, &params.title, &message);
+        reader.made.lose(&params.at, &params.title, &message);
     }
     placed(&mut mesh, by, reader.state.is_reversed, look.1);
-    reader.add_mesh(mesh, look.0)
+    reader.made.add_mesh(mesh, look.0, &params.at)
 }
 
 /// Puts a transform into the vertices. The front stays the front, unless the orientation is reversed.
@@ -279,16 +288,16 @@ fn file_mesh(
     if params.has("displacement") {
         return Err(params.error_at("displacement", "a displacement is not read"));
     }
-    let object = Object::Mesh { path: reader.named(&path), material: look.0.clone() };
+    let object = Object::Mesh { path: reader.made.named(&path), material: look.0.clone() };
     let is_as_it_is = !reader.state.is_reversed && look.1.is_none_or(|mapping| mapping == AS_THEY_ARE);
     if let Some(object) = moved(by, object).filter(|_| is_as_it_is) {
         return Ok(object);
     }
     let broken = |reason: String| params.error_at("filename", format!("{}: {reason}", path.display()));
-    reader.assets.stamp_files(&path);
+    reader.made.assets.stamp_files(&path);
     let (read, ..) = load_file(&path, MOST_BYTES, progress).map_err(broken)?;
     let mut mesh = Arc::unwrap_or_clone(read);
     placed(&mut mesh, by, reader.state.is_reversed, look.1);
-    reader.files.push(path);
-    Ok(reader.add_mesh(mesh, look.0))
+    reader.made.files.push(path);
+    Ok(reader.made.add_mesh(mesh, look.0, &params.at))
 }

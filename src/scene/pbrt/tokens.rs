@@ -3,33 +3,18 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::error::{Error, Location};
+use crate::error::Error;
 use crate::printable::quote;
-
-/// The begin of a word.
-#[derive(Clone, Debug)]
-pub struct Place {
-    pub file: Arc<Path>,
-    pub line: u32,
-    pub column: u32,
-}
-
-impl Place {
-    pub fn location(&self) -> Location {
-        Location { file: self.file.to_path_buf(), line: self.line as usize, column: self.column as usize }
-    }
-
-    pub fn error(&self, what: &str, message: impl Into<String>) -> Error {
-        Error::Scene { location: self.location(), field: what.to_owned(), message: message.into() }
-    }
-
-    pub fn notation(&self, what: &str, message: impl Into<String>) -> Notation {
-        Notation(self.error(what, message))
-    }
-}
+use crate::scene::imported::Place;
 
 /// An error of the notation, behind which a file cannot be read on.
 pub struct Notation(pub Error);
+
+impl Notation {
+    pub fn at(place: &Place, what: &str, message: impl Into<String>) -> Notation {
+        Notation(place.error(what, message))
+    }
+}
 
 pub type Result<T> = std::result::Result<T, Notation>;
 
@@ -117,7 +102,11 @@ impl<'t> Tokens<'t> {
                 let inner = rest.get(1..).unwrap_or_default();
                 let end = inner.find(['"', '\n', '\\']).filter(|end| inner.as_bytes().get(*end) == Some(&b'"'));
                 let end = end.ok_or_else(|| {
-                    self.place().notation("text", "expected a \" at its end in the same line, and no \\ before that")
+                    Notation::at(
+                        &self.place(),
+                        "text",
+                        "expected a \" at its end in the same line, and no \\ before that",
+                    )
                 })?;
                 (Token::Text(inner.get(..end).unwrap_or_default()), end + 2)
             }
@@ -133,13 +122,13 @@ impl<'t> Tokens<'t> {
     /// The next token, which must be there.
     pub fn expect(&mut self, what: &str, expected: &str) -> Result<Token<'t>> {
         self.next()?
-            .ok_or_else(|| self.place().notation(what, format!("expected {expected}, found the end of the file")))
+            .ok_or_else(|| Notation::at(&self.place(), what, format!("expected {expected}, found the end of the file")))
     }
 
     pub fn text(&mut self, what: &str, expected: &str) -> Result<&'t str> {
         match self.expect(what, expected)? {
             Token::Text(text) => Ok(text),
-            other => Err(self.place().notation(what, format!("expected {expected}, found {}", other.words()))),
+            other => Err(Notation::at(&self.place(), what, format!("expected {expected}, found {}", other.words()))),
         }
     }
 
@@ -153,11 +142,12 @@ impl<'t> Tokens<'t> {
         for number in &mut all {
             let expected = format!("{N} numbers");
             let token = self.expect(what, &expected)?;
-            *number = number_of(token)
-                .ok_or_else(|| self.place().notation(what, format!("expected {expected}, found {}", token.words())))?;
+            *number = number_of(token).ok_or_else(|| {
+                Notation::at(&self.place(), what, format!("expected {expected}, found {}", token.words()))
+            })?;
         }
         if is_bracketed && self.expect(what, "]")? != Token::Close {
-            return Err(self.place().notation(what, format!("expected ] behind {N} numbers")));
+            return Err(Notation::at(&self.place(), what, format!("expected ] behind {N} numbers")));
         }
         Ok(all)
     }

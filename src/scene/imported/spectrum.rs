@@ -1,12 +1,17 @@
 //! Spectra by wavelengths as linear Rec. 709 colours, by the standard observer: emissions as they are, and reflectances under D65, as the RGB variants of
 //! Mitsuba have them. They have no black bodies; these are as in its spectral variants.
 
+use std::path::Path;
 use std::sync::LazyLock;
 
 use glam::DVec4;
 
 use super::tables;
+use crate::scene::file;
 use crate::scene::types::Colour;
+
+/// The longest file of a spectrum, in bytes.
+const LONGEST: u64 = 1 << 24;
 
 /// The wavelengths of the table, in nanometres.
 const FIRST: f64 = 360.0;
@@ -45,6 +50,27 @@ pub fn of_black_body(kelvins: f64) -> Colour {
         1e-9 * of_radiance / (metres.powi(5) * (of_exponent / (metres * kelvins)).exp_m1())
     };
     integral(value, true)
+}
+
+/// The values of a file at wavelengths, one of each a line.
+pub fn pairs_of_file(path: &Path) -> Result<Vec<(f64, f64)>, String> {
+    let bytes = file::read(path, "spectrum", LONGEST)?;
+    let text = String::from_utf8_lossy(&bytes);
+    let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default().trim());
+    let pair = |line: &str| {
+        let (wavelength, value) = line.split_once(|c: char| c.is_ascii_whitespace() || c == ',')?;
+        Some((wavelength.parse().ok()?, value.trim().parse().ok()?))
+    };
+    let pairs: Option<Vec<_>> = lines.filter(|line| !line.is_empty()).map(pair).collect();
+    pairs
+        .filter(|pairs| rise(pairs))
+        .ok_or_else(|| format!("{}: expected a wavelength that rises and a value in each line", path.display()))
+}
+
+/// Whether these are finite values at wavelengths that rise.
+pub fn rise(pairs: &[(f64, f64)]) -> bool {
+    let finite = pairs.iter().all(|(wavelength, value)| wavelength.is_finite() && value.is_finite());
+    finite && !pairs.is_empty() && pairs.is_sorted_by(|a, b| a.0 < b.0)
 }
 
 fn integral(value: impl Fn(f64) -> f64, is_emission: bool) -> Colour {

@@ -1,7 +1,6 @@
 //! Meshes that no file has as the scene needs them: shapes of Mitsuba as triangles, and meshes that are changed.
 
 use std::f64::consts::TAU;
-use std::path::Path;
 
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 
@@ -9,14 +8,6 @@ use crate::shape::mesh::Mesh;
 
 /// The edges around a sphere, a disk or a cylinder, and half of them from pole to pole.
 pub const AROUND: u32 = 128;
-
-/// The path of a mesh that no file has, in the scene `to`: in the scene's own file, or in one that `convert` writes.
-pub fn path_of(to: &Path, is_in_place: bool, number: usize) -> String {
-    match is_in_place {
-        true => format!("{}#meshes/{number}", to.file_name().unwrap_or_default().to_string_lossy()),
-        false => format!("{}-{number}.ply", to.file_stem().unwrap_or_default().to_string_lossy()),
-    }
-}
 
 /// A mesh of vertices with normals and texture coordinates, v downwards as Mitsuba has it.
 #[derive(Default)]
@@ -52,13 +43,13 @@ impl Builder {
         self.quad(corners);
     }
 
-    /// A grid of `AROUND` columns around the z axis: `at` gives position and normal for the share of a turn and the row.
-    fn turned(&mut self, rows: u32, at: &dyn Fn(f64, f64) -> (DVec3, DVec3)) {
+    /// A grid of `AROUND` columns around the z axis, over this share of a turn: `at` gives position and normal for the direction and the row.
+    fn turned(&mut self, rows: u32, turn: f64, at: &dyn Fn(DVec3, f64) -> (DVec3, DVec3)) {
         for row in 0..=rows {
             for column in 0..=AROUND {
                 let (u, v) = (f64::from(column) / f64::from(AROUND), f64::from(row) / f64::from(rows));
-                // The last column is where the first is, to the last bit.
-                let (position, normal) = at(u % 1.0, v);
+                // The last column of a whole turn is where the first is, to the last bit.
+                let (position, normal) = at(around((u * turn) % 1.0), v);
                 self.vertex(position, normal, u, v);
             }
         }
@@ -99,32 +90,32 @@ fn around(share: f64) -> DVec3 {
     DVec3::new(cos, sin, 0.0)
 }
 
-pub fn sphere() -> Mesh {
+/// The part of a unit sphere between two shares of the way from the pole at +z to that at -z, over a share of a turn.
+pub fn sphere(from: f64, to: f64, turn: f64) -> Mesh {
     let mut all = Builder::default();
-    all.turned(AROUND / 2, &|u, v| {
-        let (sin, cos) = match v {
+    all.turned(AROUND / 2, turn, &|around, v| {
+        let (sin, cos) = match from + v * (to - from) {
             0.0 => (0.0, 1.0),
             1.0 => (0.0, -1.0),
-            _ => (0.5 * TAU * v).sin_cos(),
+            share => (0.5 * TAU * share).sin_cos(),
         };
-        let p = sin * around(u) + cos * DVec3::Z;
+        let p = sin * around + cos * DVec3::Z;
         (p, p)
     });
     all.0
 }
 
-pub fn disk() -> Mesh {
+/// A disk of radius 1 with a hole, over a share of a turn, which is u. v is 1 on the inner edge and 0 on the outer one.
+pub fn disk(hole: f64, turn: f64) -> Mesh {
     let mut all = Builder::default();
-    all.turned(1, &|u, v| (v * around(u), DVec3::Z));
-    // Its u is the radius, and its v the share of a turn, downwards.
-    all.0.uvs.iter_mut().for_each(|uv| *uv = Vec2::new(1.0 - uv.y, 1.0 - uv.x));
+    all.turned(1, turn, &|around, v| ((hole + v * (1.0 - hole)) * around, DVec3::Z));
     all.0
 }
 
-/// The side of a cylinder of radius 1 from z = 0 to 1.
-pub fn cylinder() -> Mesh {
+/// The side of a cylinder of radius 1 from z = 0 to 1, over a share of a turn.
+pub fn cylinder(turn: f64) -> Mesh {
     let mut all = Builder::default();
-    all.turned(1, &|u, v| (around(u) + (1.0 - v) * DVec3::Z, around(u)));
+    all.turned(1, turn, &|around, v| (around + (1.0 - v) * DVec3::Z, around));
     all.0
 }
 

@@ -1,0 +1,153 @@
+//! Scenes of other programs: what their readers make, and the shapes, spectra and transforms that they share.
+
+pub mod mesh;
+pub mod spectrum;
+pub mod surface;
+pub mod tables;
+pub mod transform;
+mod write_ply;
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::assets::Assets;
+use super::draft::{MOST_BYTES, too_large};
+use super::findings::Findings;
+use super::gltf_options::GltfOptions;
+use super::recover::Parts;
+use super::types::*;
+use super::write::named;
+use crate::error::{Error, Location};
+use crate::shape::mesh::Mesh;
+pub use write_ply::write_ply;
+
+/// Where something begins in a file.
+#[derive(Clone, Debug)]
+pub struct Place {
+    pub file: Arc<Path>,
+    pub line: u32,
+    pub column: u32,
+}
+
+impl Place {
+    pub fn location(&self) -> Location {
+        Location { file: self.file.to_path_buf(), line: self.line as usize, column: self.column as usize }
+    }
+
+    pub fn error(&self, what: &str, message: impl Into<String>) -> Error {
+        Error::Scene { location: self.location(), field: what.to_owned(), message: message.into() }
+    }
+
+    pub fn folder(&self) -> &Path {
+        self.file.parent().unwrap_or(Path::new(""))
+    }
+}
+
+/// What has been made of a scene so far, and what was said about it.
+pub struct Imported<'a> {
+    /// The scene file that is written, to whose folder paths are relative.
+    to: PathBuf,
+    /// Whether the scene is read from where it stays.
+    is_in_place: bool,
+    lossless: bool,
+    pub parts: Parts,
+    /// The meshes that are in no file, by their paths.
+    pub meshes: BTreeMap<String, Arc<Mesh>>,
+    /// The bytes that are left for them.
+    room: usize,
+    pub notes: Vec<String>,
+    /// The files that were read, without the first.
+    pub files: Vec<PathBuf>,
+    /// Where values of the scene stand, by their paths such as `objects[3]`.
+    pub places: HashMap<String, Location>,
+    pub findings: Findings,
+    pub assets: &'a mut Assets,
+    /// The indices of materials by their names and what they are.
+    same: HashMap<String, usize>,
+    /// How many materials have each name so far.
+    names: HashMap<String, usize>,
+    told: HashSet<(String, String)>,
+}
+
+impl<'a> Imported<'a> {
+    pub fn new(path: &Path, to: &Path, options: &GltfOptions, assets: &'a mut Assets) -> Imported<'a> {
+        Imported {
+            to: to.to_owned(),
+            is_in_place: path == to,
+            lossless: options.lossless,
+            parts: Parts::default(),
+            meshes: BTreeMap::new(),
+            room: MOST_BYTES,
+            notes: Vec::new(),
+            files: Vec::new(),
+            places: HashMap::new(),
+            findings: Findings::default(),
+            assets,
+            same: HashMap::new(),
+            names: HashMap::new(),
+            told: HashSet::new(),
+        }
+    }
+
+    /// Tells what is not as the file says; with `--lossless` it is an error.
+    pub fn lose(&mut self, at: &Place, what: &str, message: &str) {
+        if !self.told.insert((at.location().to_string(), message.to_owned())) {
+            return;
+        }
+        match self.lossless {
+            true => self.findings.refuse(at.error(what, format!("{message} (--lossless)"))),
+            false => self.notes.push(at.error(what, message).to_string()),
+        }
+    }
+
+    /// Notes where sections of the scene come from.
+    pub fn place(&mut self, sections: &[&str], at: &Place) {
+        self.places.extend(sections.iter().map(|section| ((*section).to_owned(), at.location())));
+    }
+
+    pub fn add_object(&mut self, object: Object, at: &Place) {
+        let objects = self.parts.objects.get_or_insert_default();
+        self.places.insert(format!("objects[{}]", objects.len()), at.location());
+        objects.push(object);
+    }
+
+    /// The index of a material, whose name is `base` if that is free. Equal materials of one base are one.
+    pub fn add_material(&mut self, material: Material, base: &str, at: &Place) -> usize {
+        let next = self.parts.materials.len();
+        let index = *self.same.entry(format!("{base} {material:?}")).or_insert(next);
+        if index == next {
+            let mut name = base.to_owned();
+            while let Some(known) = self.names.get_mut(&name) {
+                *known += 1;
+                name = format!("{base} {known}");
+            }
+            self.names.insert(name.clone(), 1);
+            self.places.insert(format!("materials[{name:?}]"), at.location());
+            self.parts.materials.push((name, material));
+        }
+        index
+    }
+
+    /// Adds a mesh that no file has: the scene's own file has it, or one that `convert` writes.
+    pub fn add_mesh(&mut self, mesh: Mesh, material: Option<String>, at: &Place) -> Object {
+        let number = self.meshes.len();
+        let bytes = size_of_val(&mesh.positions[..]) + size_of_val(&mesh.triangles[..]);
+        let Some(room) = self.room.checked_sub(bytes) else {
+            self.findings.refuse(at.error("meshes", too_large()));
+            return Object::Group(Vec::new());
+        };
+        self.room = room;
+        let path = match self.is_in_place {
+            true => format!("{}#meshes/{number}", self.to.file_name().unwrap_or_default().to_string_lossy()),
+            false => format!("{}-{number}.ply", self.to.file_stem().unwrap_or_default().to_string_lossy()),
+        };
+        self.meshes.insert(path.clone(), Arc::new(mesh));
+        Object::Mesh { path, material }
+    }
+
+    /// The path of a file as the scene names it.
+    pub fn named(&self, file: &Path) -> String {
+        named(file, &self.to, self.is_in_place)
+    }
+}

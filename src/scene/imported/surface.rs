@@ -1,0 +1,98 @@
+//! Parts of surfaces that Mitsuba and pbrt have alike.
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::transform::moved;
+use crate::scene::types::*;
+
+/// The poles of their spheres lie on z, those of ours on y: this takes ours to theirs.
+const POLES: DMat3 = DMat3::from_cols(DVec3::NEG_X, DVec3::Z, DVec3::Y);
+
+/// The sphere that the unit sphere becomes, if it is one of ours. `textures`: whether they lie as they are, if there are any.
+pub fn sphere(by: &DAffine3, material: &Option<String>, textures: Option<bool>) -> Option<Object> {
+    let mirrors = by.matrix3.determinant() < 0.0;
+    // A mirror image of a sphere is a sphere.
+    let round = if mirrors { *by * DAffine3::from_scale(DVec3::NEG_ONE) } else { *by };
+    moved(&round, Object::Group(Vec::new()))?;
+    let material = material.clone();
+    let radius = by.matrix3.determinant().abs().cbrt();
+    match textures {
+        None => Some(Object::Sphere { center: by.translation, radius, material }),
+        Some(true) if !mirrors => {
+            let sphere = Object::Sphere { center: DVec3::ZERO, radius: 1.0, material };
+            moved(&(*by * DAffine3::from_mat3(POLES)), sphere)
+        }
+        Some(_) => None,
+    }
+}
+
+/// The same shape as the boundary of a medium.
+pub fn without_material(mut object: Object) -> Object {
+    let inner = if let Object::Transformed { object, .. } = &mut object { &mut **object } else { &mut object };
+    if let Object::Sphere { material, .. }
+    | Object::Quad { material, .. }
+    | Object::Box { material, .. }
+    | Object::Disk { material, .. }
+    | Object::Mesh { material, .. } = inner
+    {
+        *material = None;
+    }
+    object
+}
+
+/// Whether a material is a matt black without holes, which may be a lamp.
+pub fn is_black(material: &Material) -> bool {
+    let black = Texture::grey(0.0);
+    matches!(material, Material::Lambertian(own) if own.albedo == black && own.alpha == Texture::grey(1.0))
+}
+
+/// The emission of a material, and whether its backs are black, if it has them.
+pub fn emission_of(material: &mut Material) -> Option<(&mut Option<Texture>, &mut bool)> {
+    match material {
+        Material::Lambertian(own) => Some((&mut own.emission, &mut own.one_sided)),
+        Material::Plastic(own) => Some((&mut own.emission, &mut own.one_sided)),
+        Material::Pbr(own) => Some((&mut own.emission, &mut own.one_sided)),
+        _ => None,
+    }
+}
+
+pub fn alpha_of(material: &mut Material) -> Option<&mut Texture> {
+    match material {
+        Material::Lambertian(own) => Some(&mut own.alpha),
+        Material::Plastic(own) => Some(&mut own.alpha),
+        Material::Pbr(own) => Some(&mut own.alpha),
+        Material::Mix(own) => Some(&mut own.alpha),
+        _ => None,
+    }
+}
+
+pub fn absorption_of(material: &mut Material) -> Option<&mut Option<Colour>> {
+    match material {
+        Material::Dielectric(own) => Some(&mut own.absorption),
+        Material::RoughDielectric(own) => Some(&mut own.absorption),
+        _ => None,
+    }
+}
+
+/// Microfacets by our parameters.
+pub struct Facets {
+    /// The square root of the smaller alpha.
+    pub roughness: f64,
+    pub anisotropy: f64,
+    /// In degrees, from u towards v.
+    pub rotation: f64,
+    pub distribution: Distribution,
+}
+
+impl Facets {
+    /// Those of the alphas along u and v.
+    pub fn of(u: f64, v: f64, distribution: Distribution) -> Facets {
+        let (least, most) = (u.min(v).min(1.0), u.max(v).min(1.0));
+        Facets {
+            roughness: least.sqrt(),
+            anisotropy: if most > least { ((most - least) / (1.0 - least)).sqrt() } else { 0.0 },
+            rotation: if v > u { 90.0 } else { 0.0 },
+            distribution,
+        }
+    }
+}
