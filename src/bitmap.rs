@@ -10,8 +10,6 @@ use serde::{Deserialize, Serialize};
 pub enum Decoding {
     /// Colours in linear Rec. 709. Integers are sRGB codes, and floats are linear.
     Colour,
-    /// Colours of a sky on a square, resampled to latitude and longitude.
-    Octahedral,
     /// Three numbers, as in a normal map: a code over the largest code.
     Numbers,
     /// The numbers of one channel.
@@ -70,7 +68,6 @@ impl Decoding {
     pub fn format(self, of_bytes: bool) -> Format {
         match self {
             _ if !of_bytes => Format::Float,
-            Decoding::Octahedral => Format::Float,
             Decoding::Colour => Format::Srgb,
             Decoding::Numbers => Format::Linear,
             Decoding::Number(_) => Format::Number,
@@ -101,7 +98,7 @@ pub struct Bitmap {
     pub format: Format,
     /// The texels row by row, in the words of the format.
     pub words: Arc<Vec<u32>>,
-    /// The warning about what decoding has changed.
+    /// The warning about what [`Bitmap::clean`] has changed.
     pub warning: Option<String>,
 }
 

@@ -27,6 +27,7 @@ mod octahedral;
 mod pairs;
 mod projection;
 mod sampled_lights;
+mod square_sky;
 mod swept;
 mod tangents;
 mod view;
@@ -227,7 +228,9 @@ fn required(scene: &Scene, finder: &Finder<'_>, models: &[Model<'_>]) -> (Featur
         }
     }
     finder.media.iter().for_each(|medium| require_medium(&mut features, scene, medium));
-    if let Some(bitmap) = scene.background.bitmap(&scene.bitmaps) {
+    if let Background::Image { path, .. } = &scene.background
+        && let Some(bitmap) = scene.bitmaps.colours(path)
+    {
         let at = scene.location(&[Step::Field("background")]);
         features.require(texel_format(bitmap), || format!("background at {at}"));
     }
@@ -473,8 +476,8 @@ fn brightest_of_plain_sky(background: &Background) -> f64 {
 /// carries. A path meets a surface of coverage a with the probability a, so that the first is √a of the second.
 fn brightest(scene: &Scene, emissions: &[Emitted]) -> [f64; 2] {
     let sky = match &scene.background {
-        Background::Image { tint, .. } => {
-            scene.background.bitmap(&scene.bitmaps).map_or(0.0, |bitmap| bitmap.brightest(*tint))
+        Background::Image { path, tint, .. } => {
+            scene.bitmaps.colours(path).map_or(0.0, |bitmap| bitmap.brightest(*tint))
         }
         plain => brightest_of_plain_sky(plain),
     };

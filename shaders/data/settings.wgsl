@@ -40,11 +40,13 @@ struct Settings {
     // The angle at which the distance from the middle stops growing, in radians.
     fold: f32,
     //@ end
-    //@ if background.image
+    //@ if background.image | background.octahedral
     background_width: u32,
-    background_height: u32,
     background_texel: u32,
     background_format: u32,
+    //@ end
+    //@ if background.image
+    background_height: u32,
     //@ end
     //@ if background.gradient
     background_top: vec3<f32>,

@@ -18,7 +18,7 @@ use crate::bvh::{self, Bounds, Quality};
 use crate::data::{self, NO_TEXTURE, f32s};
 use crate::lobe::{LOBES, Rows};
 use crate::material::{ALPHA, MIX, Material, Model, Slot, emission_row, microfacets};
-use crate::scene::{Background, Bitmap, Scene, Step, Texture, Use};
+use crate::scene::{Background, Bitmap, Scene, SkyLayout, Step, Texture, Use};
 use crate::shape::similarity::Similarity;
 use crate::shape::{Element, KINDS, LargeSphere, MeshLayout, ObjectTransform, RenderSpace, Shape, error_bound, padded};
 
@@ -209,13 +209,11 @@ impl Builder<'_> {
                     self.flat.features.require("camera_axes", || format!("background.by at {at}"));
                 }
                 settings.background_bottom = f32s(radiance_scale * *tint);
-                if let Some((_, decoding, _)) = scene.background.image()
-                    && let Some(bitmap) = scene.bitmaps.get(path, decoding)
-                {
+                if let Some(bitmap) = scene.bitmaps.colours(path) {
                     settings.background_width = bitmap.width;
                     settings.background_height = bitmap.height;
                     settings.background_format = bitmap.format.number() as u32;
-                    self.flat.settings.background_texel = self.add_image(path, decoding, bitmap);
+                    self.flat.settings.background_texel = self.add_image(path, Decoding::Colour, bitmap);
                 }
             }
         }
@@ -337,6 +335,7 @@ fn background_kind(background: &Background) -> usize {
     match background {
         Background::Solid(_) => 0,
         Background::Gradient { .. } => 1,
-        Background::Image { .. } => 2,
+        Background::Image { layout: SkyLayout::LatitudeLongitude, .. } => 2,
+        Background::Image { layout: SkyLayout::Octahedral, .. } => 3,
     }
 }

@@ -13,7 +13,7 @@ use crate::texture::TEXTURES;
 
 pub use crate::shape::{BOUNDARIES, PRIMITIVES};
 /// The files of the backgrounds under shaders/background. Kernels switch on the indices.
-pub const BACKGROUNDS: &[&str] = &["solid", "gradient", "image"];
+pub const BACKGROUNDS: &[&str] = &["solid", "gradient", "image", "octahedral"];
 
 /// The films that are no plane at distance 1.
 const PROJECTIONS: &[&str] = &["orthographic", "equirectangular", "fisheye", "calibrated", "calibrated_fisheye"];

@@ -12,13 +12,14 @@ use super::light_parts::{Outline, depth_for, most_parts};
 use super::light_paths::Start;
 use super::light_tree::{LightBounds, LightKind, LightTree};
 use super::motion::in_space;
+use super::square_sky::to_latitude_longitude;
 use super::swept::{changes_size, largest_scale, largest_turn, swept};
 use crate::data::{self, CROSSED, HIT_NOTHING, KIND_DELTA_LIGHT, NOT_SAMPLED, luminance, primitive_code};
 use crate::light_distribution::SkyDistribution;
 use crate::luminance::Luminance;
 use crate::material::Emission;
 use crate::printable::counted;
-use crate::scene::{Bitmap, Falloff};
+use crate::scene::{Background, Bitmap, Falloff, SkyLayout};
 use crate::shape::{Aabb, BoundingShape, Emitter, KINDS, ObjectTransform, PRIMITIVES, exp2};
 
 /// The most lights. The tree's nodes then take 64 MiB, half of the largest binding of software drivers.
@@ -262,8 +263,11 @@ impl Builder<'_> {
 
     /// Adds the background's image as a light, unless it is black. Returns its intensity.
     fn add_sky(&mut self) -> Option<f64> {
-        let (_, _, tint) = self.scene.background.image()?;
-        let bitmap = self.scene.background.bitmap(&self.scene.bitmaps)?;
+        let Background::Image { path, tint, layout, .. } = &self.scene.background else { return None };
+        let bitmap = self.scene.bitmaps.colours(path)?;
+        let is_square = *layout == SkyLayout::Octahedral;
+        let resampled = is_square.then(|| to_latitude_longitude(bitmap));
+        let bitmap = resampled.as_ref().unwrap_or(bitmap);
         // MIS compensation: BSDF sampling finds what is darker than the mean, and light sampling draws what is above it (Karlík, Šik, Vévoda,
         // Skřivan, Křivánek, "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling", ACM TOG 38(6), 2019).
         // A little less than the mean is subtracted, so that a sky of one radiance has a distribution too.

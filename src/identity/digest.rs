@@ -10,7 +10,7 @@ use sha2::{Digest, Sha256};
 
 use crate::bitmap::{Bitmap, Decoding};
 use crate::gpu::link::{Embedded, Library};
-use crate::scene::{Camera, Mesh, Object, Scene};
+use crate::scene::{Background, Camera, Mesh, Object, Scene};
 use crate::texture::Texture;
 
 /// A hash of all shaders.
@@ -61,7 +61,10 @@ fn without_paths(value: &impl Serialize) -> Value {
 /// The images and meshes that the scene names, once for each value that names them, in the file's order: the path, and a hash of what was
 /// read.
 pub fn of_assets(scene: &Scene) -> Vec<(String, String)> {
-    let background = scene.background.image().map(|(path, decoding, _)| (path, decoding));
+    let background = match &scene.background {
+        Background::Image { path, .. } => Some((path, Decoding::Colour)),
+        _ => None,
+    };
     let textures = scene.materials.iter().flat_map(|(_, material)| material.textures()).filter_map(Texture::decoded);
     let mut names: Vec<_> =
         background.into_iter().chain(textures).map(|(path, decoding)| (path.clone(), Some(decoding))).collect();

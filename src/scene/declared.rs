@@ -8,7 +8,6 @@ use serde::{Deserialize, Serialize};
 
 use super::animation_frame::FPS;
 use super::projection::Projection;
-use crate::bitmap::{Bitmap, Bitmaps, Decoding};
 use crate::delta_light::{DeltaLight, Falloff};
 use crate::error::{Error, Result};
 use crate::shape::mesh::MeshShape;
@@ -171,8 +170,7 @@ declare! {
             tint: Colour = RADIANCE.or("(1, 1, 1)");
             /// How it is turned: rotations, applied in the order listed.
             @default by: Vec<Transform> = other("a list of transforms: [..]").or("[]");
-            /// Octahedral: the square that pbrt-v4 has, with +z in the middle, +x at the right and +y below. It is resampled, and a warning
-            /// says what that changes.
+            /// Octahedral: the square that pbrt-v4 has, with +z in the middle, +x at the right and +y below; texels are not blended.
             @default layout: SkyLayout = other("LatitudeLongitude or Octahedral").or("LatitudeLongitude");
         }
     }
@@ -187,19 +185,6 @@ pub enum SkyLayout {
 }
 
 impl Checked for SkyLayout {}
-
-impl Background {
-    /// The path of its image, how that is decoded, and its tint.
-    pub fn image(&self) -> Option<(&String, Decoding, Colour)> {
-        let Background::Image { path, tint, layout, .. } = self else { return None };
-        Some((path, if *layout == SkyLayout::Octahedral { Decoding::Octahedral } else { Decoding::Colour }, *tint))
-    }
-
-    /// Its decoded image.
-    pub fn bitmap<'a>(&self, bitmaps: &'a Bitmaps) -> Option<&'a Bitmap> {
-        self.image().and_then(|(path, decoding, _)| bitmaps.get(path, decoding))
-    }
-}
 
 declare! {
     #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]

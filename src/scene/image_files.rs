@@ -4,7 +4,6 @@ mod budget;
 mod exr;
 mod jpeg;
 mod ktx2;
-mod octahedral;
 mod pack;
 
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -48,16 +47,25 @@ pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings, assets
     visit_images(scene, &mut |at, path, decoding, tint, usage| {
         findings.record(loader.load(at, path, decoding, tint, usage));
     });
+    if let Background::Image { path, layout: SkyLayout::Octahedral, .. } = &scene.background
+        && let Some(Bitmap { width, height, .. }) = loader.bitmaps.colours(path).filter(|own| own.width != own.height)
+    {
+        let top = scene.top();
+        let background = top.field("background");
+        let message =
+            format!("{path}: expected a square, as its layout is Octahedral, found {width} by {height} texels");
+        findings.refuse(background.variant("Image").field("path").error(&message));
+    }
     loader.bitmaps
 }
 
 /// Visits the values of a scene that name images, each with its `path` field, how the file is decoded, and what the texels mean.
 pub fn visit_images(scene: &Scene, visit: &mut dyn FnMut(&ValuePath, &str, Decoding, Colour, Use)) {
     let top = scene.top();
-    if let Some((path, decoding, tint)) = scene.background.image() {
+    if let Background::Image { path, tint, .. } = &scene.background {
         let background = top.field("background");
         let at = background.variant("Image");
-        visit(&at.field("path"), path, decoding, tint, Use::Radiance);
+        visit(&at.field("path"), path, Decoding::Colour, *tint, Use::Radiance);
     }
     let materials = top.field("materials");
     for (name, material) in &scene.materials {
@@ -143,17 +151,6 @@ impl Loader<'_> {
 /// Decodes the bytes of a file, whose name may say its format. Images of floats, such as .exr and .hdr, are linear; the colours of all
 /// others are sRGB.
 fn decode(bytes: &[u8], by_name: Option<ImageFormat>, wanted: &Wanted) -> std::result::Result<Decoded, String> {
-    if wanted.decodings.contains(&Decoding::Octahedral) {
-        let plain = wanted.decodings.iter().copied().filter(|decoding| *decoding != Decoding::Octahedral);
-        let plain = plain.chain([Decoding::Colour]).collect();
-        let mut decoded = decode(bytes, by_name, &Wanted { decodings: &plain, budget: wanted.budget })?;
-        let colours = decoded.iter().find(|(decoding, _)| *decoding == Decoding::Colour);
-        let square = colours.map(|(_, bitmap)| bitmap).ok_or("expected colours")?;
-        let made = octahedral::resampled(square, wanted.budget)?;
-        decoded.push((Decoding::Octahedral, made));
-        decoded.retain(|(decoding, _)| wanted.decodings.contains(decoding));
-        return Ok(decoded);
-    }
     let decoded = guarded(|| match bytes.starts_with(&exr::MAGIC) {
         true => exr::decode(bytes, wanted),
         false => {

@@ -179,7 +179,10 @@ fn errors_have_places() {
             "MakeNamedMedium \"a\" \"rgb sigma_a\" [1 2 3] \"rgb sigma_s\" [1 1 1] MediumInterface \"a\" \"\" Shape \"sphere\"",
             "a.pbrt:4:1: MakeNamedMedium: expected one number for the extinction of all channels of its medium, found [2.0, 3.0, 4.0]",
         ),
-        ("LightSource \"infinite\" \"string filename\" \"a.exr\"", "background.path: a.exr: cannot read the image"),
+        (
+            "LightSource \"infinite\" \"string filename\" \"a.exr\"",
+            "background.Image.path: a.exr: cannot read the image",
+        ),
         (
             "Scale 1 2 1 LightSource \"infinite\" \"string filename\" \"a.exr\"",
             "expected a transform that turns the sky alone",
@@ -282,16 +285,8 @@ fn skies_and_spectra_are_read_from_files() {
     assert!(
         matches!(by[..], [Transform::Rotate { axis, degrees }] if axis == DVec3::X && (degrees - 90.0).abs() < 1e-9)
     );
-    let bitmap = scene.background.bitmap(&scene.bitmaps).expect("it is loaded");
-    assert_eq!((bitmap.width, bitmap.height), (1024, 512));
-    // +x is on the right of the square, and in the right half of the image.
-    assert_eq!([256, 768].map(|column| bitmap.texel(256 * 1024 + column)), [[1.0; 3], [0.0; 3]]);
-    let warnings = scene.warnings();
-    let told = [
-        "its square is resampled to latitude and longitude",
-        "sky.png: its square of 8 by 8 texels becomes 1024 by 512",
-    ];
-    assert!(told.iter().all(|told| warnings.iter().any(|own| own.contains(told))), "{warnings:?}");
+    assert_eq!(scene.bitmaps.colours("sky.png").expect("it is loaded").width, 8);
+    assert!(scene.warnings().is_empty(), "{:?}", scene.warnings());
     let Object::PointLight { intensity, .. } = &scene.objects[0] else { panic!("{:?}", scene.objects) };
     // An even spectrum is a little red beside D65, with the luminance that the scale says.
     assert!((luminance(intensity.to_array()) - 3.0).abs() < 1e-9 && intensity.x > intensity.z, "{intensity}");
@@ -311,7 +306,8 @@ fn instances_may_be_uneven() {
     let even = scene("Translate 0 0 5");
     assert_eq!((even.meshes.len(), even.objects.len()), (1, 1));
     let uneven = scene("Translate 0 0 5 Scale 1 2 -3");
-    assert_eq!((uneven.meshes.len(), uneven.objects.len()), (2, 2));
+    // That of the object is there too, for even instances.
+    assert_eq!((uneven.meshes.len(), uneven.objects.len()), (3, 2));
     let names: Vec<_> = uneven.objects.iter().map(|object| format!("{object:?}")).collect();
     let mesh = names
         .iter()

@@ -72,7 +72,7 @@ fn boundaries() -> Vec<&'static str> {
 
 /// Features by the bits of the kinds that are on.
 fn features(primitives: usize, materials: usize, textures: usize, background: usize, thin_lens: bool) -> Features {
-    let has_image = background == IMAGE
+    let has_image = background >= IMAGE
         || TEXTURES.iter().position(|name| *name == "image").is_some_and(|i| textures >> i & 1 == 1);
     let lobe = |width: LobeWidth| materials & bits_of(|kind| kind.widths.contains(&width));
     let mut found = quantified(Features::default(), |own| own.stack_size = 8);
@@ -343,7 +343,7 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
             let nothing = features(0, 0, 0, background, false);
             let nothing = if turn { turned(nothing) } else { nothing };
             found.extend((1..=all(&BOUNDARIES)).map(|boundaries| with_media(nothing.clone(), boundaries, false)));
-            if background == IMAGE {
+            if background >= IMAGE {
                 let media = (1..=all(&BOUNDARIES)).map(|boundaries| with_media(nothing.clone(), boundaries, false));
                 found.extend(media.map(|media| lit(media, 0, true)));
             }

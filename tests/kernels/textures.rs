@@ -310,6 +310,36 @@ fn directions() -> Vec<[f32; 4]> {
     all.into_iter().map(|d| rounded(d.normalize())).map(|[x, y, z]| [x, y, z, 0.0]).collect()
 }
 
+/// Clarberg's map from the square to the sphere, the inverse of the kernels' one.
+fn of_square(p: [f64; 2]) -> DVec3 {
+    let [x, y] = p.map(|x| 2.0 * x - 1.0);
+    let signed = 1.0 - x.abs() - y.abs();
+    let r = 1.0 - signed.abs();
+    let angle = if r == 0.0 { 0.0 } else { ((y.abs() - x.abs()) / r + 1.0) * PI / 4.0 };
+    let long = r * (2.0 - r * r).sqrt();
+    DVec3::new((angle.cos() * long).copysign(x), (angle.sin() * long).copysign(y), (1.0 - r * r).copysign(signed))
+}
+
+/// The share of the angle is off by 10 u, r by 4 and what is added by 2; the way back doubles this twice at most.
+const SQUARE: f64 = 4.0 * 16.0 * U;
+
+#[test]
+fn directions_map_to_the_square_of_an_octahedral_sky() {
+    let rows = directions();
+    let kernel =
+        Kernel::of(["lib/square_map", "vec4<f32>", "vec4<f32>", "vec4<f32>(square_map(given.xyz), 0.0, 0.0)"], &[]);
+    let found = kernel.run::<_, [f32; 4]>(&rows);
+    let (mut worst, mut wrong) = (0.0f64, 0.0f64);
+    for ([x, y, z, _], [u, v, ..]) in rows.iter().zip(&found) {
+        assert!([u, v].iter().all(|value| (0.0..=1.0).contains(*value)), "{x} {y} {z}: {u} {v}");
+        let n = exact([*x, *y, *z]).normalize();
+        worst = worst.max((of_square([f64::from(*u), f64::from(*v)]) - n).length());
+        wrong = wrong.max((of_square([f64::from(*v), f64::from(*u)]) - n).length());
+    }
+    assert!(worst <= SQUARE, "{worst:e} {SQUARE:e}");
+    assert!(wrong > 1.0);
+}
+
 /// An angle of pi by 8 u, and its way into turns and back by 2 u of pi.
 const ANGLE: f64 = 10.0 * PI * U;
 

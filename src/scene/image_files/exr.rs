@@ -63,7 +63,7 @@ pub fn decode(bytes: &[u8], wanted: &Wanted) -> Result<Decoded, String> {
                 let start = Format::Float.words(at.y() * *width + at.x());
                 for (words, decoding) in images.iter_mut().zip(&ways) {
                     let texel = match decoding {
-                        Decoding::Colour | Decoding::Octahedral | Decoding::Numbers => [r, g, b],
+                        Decoding::Colour | Decoding::Numbers => [r, g, b],
                         Decoding::Number(channel) => [of_channel([r, g, b, a], *channel); 3],
                     };
                     words.iter_mut().skip(start).zip(texel).for_each(|(word, value)| *word = value.to_bits());

@@ -41,7 +41,7 @@ fn of_bytes<P: Pixel<Subpixel = u8>>(image: &ImageBuffer<P, Vec<u8>>, decoding: 
     let pixels = image.pixels().map(|pixel| pixel.to_rgba().0);
     let codes = |format| Bitmap::of_codes(width, height, format, pixels.clone().map(|[r, g, b, _]| [r, g, b]));
     match decoding {
-        Decoding::Colour | Decoding::Octahedral => codes(Format::Srgb),
+        Decoding::Colour => codes(Format::Srgb),
         Decoding::Numbers => codes(Format::Linear),
         Decoding::Number(channel) => Bitmap::of_numbers(width, height, pixels.map(|pixel| of_channel(pixel, channel))),
     }
@@ -57,7 +57,7 @@ fn floats<P: Pixel>(
     let texel = |pixel: &P| {
         let [r, g, b, a] = pixel.to_rgba().0;
         match decoding {
-            Decoding::Colour | Decoding::Octahedral => [r, g, b].map(&light),
+            Decoding::Colour => [r, g, b].map(&light),
             Decoding::Numbers => [r, g, b].map(&plain),
             Decoding::Number(channel) => [plain(of_channel([r, g, b, a], channel)); 3],
         }

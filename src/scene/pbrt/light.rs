@@ -84,8 +84,6 @@ pub fn light(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
                 Some(file) => {
                     let turned = turns(&ctm);
                     let by = turned.ok_or_else(|| params.error("expected a transform that turns the sky alone"))?;
-                    let message = "its square is resampled to latitude and longitude";
-                    reader.made.lose(&params.at, &params.title, message);
                     let path = reader.made.named(&reader.resolve(file, params.place_of("filename")));
                     Background::Image { path, tint: radiance, by, layout: SkyLayout::Octahedral }
                 }

@@ -44,24 +44,27 @@ pub fn shape(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mu
         }
     };
     let look = surface(params, inside.as_ref(), reader)?;
+    // A mirror image of a quadric is inside out in pbrt, that of a mesh is not.
+    let flips = reader.state.is_reversed != (by.matrix3.determinant() < 0.0);
     let is_seen = look.0.is_some();
     let object = match kind {
-        "sphere" => sphere(params, &by, look, reader)?,
-        "disk" => disk(params, &by, look, reader)?,
+        "sphere" => sphere(params, &by, flips, look, reader)?,
+        "disk" => disk(params, &by, flips, look, reader)?,
         "cylinder" => {
             let (radius, turn) = round(params)?;
             let (low, high) = (params.number_or("zmin", -1.0)?, params.number_or("zmax", 1.0)?);
             let scale = DAffine3::from_scale(DVec3::new(radius, radius, high - low));
             let placed = by * DAffine3::from_translation(DVec3::new(0.0, 0.0, low)) * scale;
-            made(params, mesh::cylinder(turn), &placed, look, reader)
+            made(params, mesh::cylinder(turn), &placed, flips, look, reader)
         }
         "trianglemesh" => {
-            let mesh = triangles(params)?;
-            made(params, mesh, &by, look, reader)
+            let mesh = faces(params, [Vec2::ZERO, Vec2::X, Vec2::ONE], &[[0, 1, 2]], look.1.is_some())?;
+            made(params, mesh, &by, reader.state.is_reversed, look, reader)
         }
         "bilinearmesh" => {
-            let mesh = patches(params)?;
-            made(params, mesh, &by, look, reader)
+            let usual = [Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE];
+            let mesh = faces(params, usual, &[[0, 1, 3], [0, 3, 2]], look.1.is_some())?;
+            made(params, mesh, &by, reader.state.is_reversed, look, reader)
         }
         "plymesh" => file_mesh(params, &by, look, progress, reader)?,
         _ => return Err(params.error(format!("this shape is not read: expected one of {KNOWN}"))),
@@ -172,7 +175,7 @@ fn round(params: &Params) -> Result<(f64, f64)> {
     }
 }
 
-fn sphere(params: &Params, by: &DAffine3, look: On, reader: &mut Reader) -> Result<Object> {
+fn sphere(params: &Params, by: &DAffine3, flips: bool, look: On, reader: &mut Reader) -> Result<Object> {
     let (radius, turn) = round(params)?;
     let share = |name, usual: f64| {
         Ok((params.number_or(name, usual * radius)?.clamp(-radius, radius) / radius).acos() / std::f64::consts::PI)
@@ -183,12 +186,12 @@ fn sphere(params: &Params, by: &DAffine3, look: On, reader: &mut Reader) -> Resu
     }
     let placed = *by * DAffine3::from_scale(DVec3::splat(radius));
     let as_they_are = look.1.map(|mapping| mapping == AS_THEY_ARE);
-    let is_whole = (top, bottom, turn) == (0.0, 1.0, 1.0) && !reader.state.is_reversed;
+    let is_whole = (top, bottom, turn) == (0.0, 1.0, 1.0) && !flips;
     let ours = surfaces::sphere(&placed, &look.0, as_they_are).filter(|_| is_whole);
-    Ok(ours.unwrap_or_else(|| made(params, mesh::sphere(top, bottom, turn), &placed, look, reader)))
+    Ok(ours.unwrap_or_else(|| made(params, mesh::sphere(top, bottom, turn), &placed, flips, look, reader)))
 }
 
-fn disk(params: &Params, by: &DAffine3, look: On, reader: &mut Reader) -> Result<Object> {
+fn disk(params: &Params, by: &DAffine3, flips: bool, look: On, reader: &mut Reader) -> Result<Object> {
     let (radius, turn) = round(params)?;
     let hole = params.number_or("innerradius", 0.0)? / radius;
     let height = DVec3::new(0.0, 0.0, params.number_or("height", 0.0)?);
@@ -196,21 +199,21 @@ fn disk(params: &Params, by: &DAffine3, look: On, reader: &mut Reader) -> Result
     let is_even = (x.length() - y.length()).abs() <= 1e-6 * x.length() && x.dot(y).abs() <= 1e-6 * x.length_squared();
     if look.1.is_some() || hole != 0.0 || turn < 1.0 || !is_even {
         let placed = *by * DAffine3::from_translation(height) * DAffine3::from_scale(DVec3::splat(radius));
-        return Ok(made(params, mesh::disk(hole.clamp(0.0, 1.0), turn), &placed, look, reader));
+        return Ok(made(params, mesh::disk(hole.clamp(0.0, 1.0), turn), &placed, flips, look, reader));
     }
     let normal = by.matrix3.inverse().transpose().z_axis.normalize_or(DVec3::Z);
-    let normal = if reader.state.is_reversed { -normal } else { normal };
+    let normal = if flips { -normal } else { normal };
     let center = by.transform_point3(height);
     Ok(Object::Disk { center, normal, radius: radius * x.length(), material: look.0 })
 }
 
 /// A mesh that no file has, with its transform in its vertices.
-fn made(params: &Params, mut mesh: Mesh, by: &DAffine3, look: On, reader: &mut Reader) -> Object {
+fn made(params: &Params, mut mesh: Mesh, by: &DAffine3, flips: bool, look: On, reader: &mut Reader) -> Object {
     if ["sphere", "cylinder", "disk"].iter().any(|kind| params.title.ends_with(kind)) {
         let message = format!("it becomes a mesh with {} edges around", mesh::AROUND);
         reader.made.lose(&params.at, &params.title, &message);
     }
-    placed(&mut mesh, by, reader.state.is_reversed, look.1);
+    placed(&mut mesh, by, flips, look.1);
     reader.made.add_mesh(mesh, look.0, &params.at)
 }
 
@@ -228,34 +231,20 @@ fn placed(mesh: &mut Mesh, by: &DAffine3, is_reversed: bool, mapping: Option<Map
     mesh.uvs.iter_mut().for_each(|uv| *uv = (scale * uv.as_dvec2() + shift).as_vec2());
 }
 
-fn triangles(params: &Params) -> Result<Mesh> {
+/// A mesh of faces with K corners, each split into triangles. `usual`: the texture coordinates of corners that the file gives none.
+fn faces<const K: usize>(params: &Params, usual: [Vec2; K], split: &[[usize; 3]], is_textured: bool) -> Result<Mesh> {
     params.ignore(&["S"]);
-    let positions = params.points("P")?;
+    let mut positions = params.points("P")?;
     if positions.is_empty() {
         return Err(params.error("expected the points P of its vertices"));
     }
-    let mut triangles = params.indices::<3>("indices", positions.len())?;
-    if triangles.is_empty() && positions.len() == 3 && !params.has("indices") {
-        triangles = vec![[0, 1, 2]];
+    let mut faces = params.indices::<K>("indices", positions.len())?;
+    if faces.is_empty() && positions.len() == K && !params.has("indices") {
+        faces = vec![std::array::from_fn(|corner| corner as u32)];
     }
-    mesh_of(params, positions, triangles)
-}
-
-/// Each patch becomes two triangles.
-fn patches(params: &Params) -> Result<Mesh> {
-    let positions = params.points("P")?;
-    let mut patches = params.indices::<4>("indices", positions.len())?;
-    if patches.is_empty() && positions.len() == 4 && !params.has("indices") {
-        patches = vec![[0, 1, 2, 3]];
-    }
-    let triangles = patches.into_iter().flat_map(|[a, b, c, d]| [[a, b, d], [a, d, c]]).collect();
-    mesh_of(params, positions, triangles)
-}
-
-fn mesh_of(params: &Params, positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Result<Mesh> {
-    let normals: Vec<_> = params.points("N")?.into_iter().map(|normal| normal.as_vec3()).collect();
+    let mut normals = params.points("N")?;
     let name = if params.has("st") { "st" } else { "uv" };
-    let uvs: Vec<Vec2> = params.points2(name)?.into_iter().map(|uv| uv.as_vec2()).collect();
+    let mut uvs: Vec<Vec2> = params.points2(name)?.into_iter().map(|uv| uv.as_vec2()).collect();
     for (name, count) in [("N", normals.len()), (name, uvs.len())] {
         if count != 0 && count != positions.len() {
             return Err(
@@ -263,14 +252,26 @@ fn mesh_of(params: &Params, positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> 
             );
         }
     }
-    if triangles.is_empty() {
-        return Err(params.error("expected the indices of its triangles"));
+    if faces.is_empty() {
+        return Err(params.error("expected the indices of its faces"));
+    }
+    if is_textured && uvs.is_empty() {
+        let of_corners = |all: &[DVec3]| {
+            faces.iter().flatten().filter_map(|corner| all.get(*corner as usize).copied()).collect::<Vec<_>>()
+        };
+        (positions, normals) = (of_corners(&positions), of_corners(&normals));
+        uvs = faces.iter().flat_map(|_| usual).collect();
+        for (number, face) in faces.iter_mut().enumerate() {
+            *face = std::array::from_fn(|corner| (K * number + corner) as u32);
+        }
     }
     let draft = || -> std::result::Result<Mesh, String> {
         let mut draft = Draft::new(MOST_BYTES);
         positions.iter().try_for_each(|position| draft.vertex(*position).map(drop))?;
-        (draft.normals, draft.uvs) = (normals, uvs);
-        triangles.iter().try_for_each(|corners| draft.face(corners))?;
+        (draft.normals, draft.uvs) = (normals.iter().map(|normal| normal.as_vec3()).collect(), uvs);
+        for face in &faces {
+            split.iter().try_for_each(|corners| draft.face(&corners.map(|corner| face[corner])))?;
+        }
         draft.finish()
     };
     draft().map_err(|reason| params.error(reason))
