@@ -41,6 +41,8 @@ declare! {
             albedo: Texture = ALBEDO;
             /// The radiance that it emits beside what it reflects, on both sides.
             @default emission: Option<Texture> = RADIANCE.or("none: it emits nothing");
+            /// Whether it emits from its front alone, and reflects on both sides.
+            @default one_sided_emission: bool = flag().or("false");
             /// The share of light that it stops; the rest passes straight on, as if the surface were not there.
             #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]
             alpha: Texture = SHARE.or("1");
@@ -225,6 +227,7 @@ declare! {
             sheen_roughness: Texture = SHARE.or("0");
             @default multiscatter: bool = conductor::FIELDS.multiscatter;
             @default emission: Option<Texture> = lambertian::FIELDS.emission;
+            @default one_sided_emission: bool = lambertian::FIELDS.one_sided_emission;
             #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]
             alpha: Texture = lambertian::FIELDS.alpha;
             @default alpha_cutoff: Option<f64> = lambertian::FIELDS.alpha_cutoff;
@@ -272,6 +275,7 @@ declare! {
             /// Whether light that comes back to the body takes its colour each time, which is more saturated. Otherwise it takes it once.
             @default nonlinear: bool = flag().or("false");
             @default emission: Option<Texture> = lambertian::FIELDS.emission;
+            @default one_sided_emission: bool = lambertian::FIELDS.one_sided_emission;
             #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]
             alpha: Texture = lambertian::FIELDS.alpha;
             @default one_sided: bool = lambertian::FIELDS.one_sided;

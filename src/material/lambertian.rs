@@ -19,7 +19,8 @@ impl Lambertian {
             widths: vec![LobeWidth::Wide],
             ..Model::default()
         };
-        let model = model.emissive(&self.emission).cut_out(&self.alpha, self.alpha_cutoff, self.vertex_alpha);
+        let model = model.emissive(&self.emission, self.one_sided_emission);
+        let model = model.cut_out(&self.alpha, self.alpha_cutoff, self.vertex_alpha);
         let model = model.flagged(&FIELDS.vertex_colors, VERTEX_COLOURS, self.vertex_colors);
         let model = model.flagged(&FIELDS.vertex_emission, VERTEX_EMISSION, self.vertex_emission);
         model.bumped(&self.normal, self.normal_scale).one_sided(self.one_sided)

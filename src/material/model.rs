@@ -131,9 +131,9 @@ impl<'a> Model<'a> {
     }
 
     /// Adds an emission to a material that scatters.
-    pub fn emissive(mut self, emission: &'a Option<Texture>) -> Model<'a> {
+    pub fn emissive(mut self, emission: &'a Option<Texture>, one_sided: bool) -> Model<'a> {
         let slot = |texture| Slot { field: &lambertian::FIELDS.emission, usage: Use::Radiance, texture };
-        self.rows.extend(emission.as_ref().map(|texture| emission_row(slot(texture), true)));
+        self.rows.extend(emission.as_ref().map(|texture| emission_row(slot(texture), !one_sided)));
         self
     }
 

@@ -30,7 +30,8 @@ impl Pbr {
     }
 
     fn with_lobes(&self, counts: impl Fn(&Lobe) -> bool) -> Model<'_> {
-        let model = self.base().emissive(&self.emission).cut_out(&self.alpha, self.alpha_cutoff, self.vertex_alpha);
+        let model = self.base().emissive(&self.emission, self.one_sided_emission);
+        let model = model.cut_out(&self.alpha, self.alpha_cutoff, self.vertex_alpha);
         let model = model.flagged(&FIELDS.vertex_colors, VERTEX_COLOURS, self.vertex_colors);
         let model = model.flagged(&FIELDS.multiscatter, MULTISCATTER, self.multiscatter);
         let model = model.bumped(&self.normal, self.normal_scale).one_sided(self.one_sided);

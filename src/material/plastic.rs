@@ -35,7 +35,8 @@ impl Plastic {
             second_part: Some(data::Material { texture: NO_TEXTURE, ..with_numbers([nonlinear, 0.0, 0.0]) }),
             ..Model::default()
         };
-        let model = model.emissive(&self.emission).cut_out(&self.alpha, None, false).one_sided(self.one_sided);
+        let model = model.emissive(&self.emission, self.one_sided_emission);
+        let model = model.cut_out(&self.alpha, None, false).one_sided(self.one_sided);
         model.distributed(self.distribution).flagged(&FIELDS.roughness, ROUGH_LAYER, self.is_rough())
     }
 

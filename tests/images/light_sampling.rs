@@ -295,10 +295,12 @@ pub const ONE_SIDED: Room = Room {
     materials: r#"
         "front": Lambertian(albedo: Rgb(0.7, 0.6, 0.5), one_sided: true),
         "metal": Conductor(albedo: Rgb(0.9, 0.6, 0.3), roughness: 0.6, one_sided: true),
-        "glow": Pbr(base_color: Rgb(0.9, 0.8, 0.7), metallic: 0, roughness: 0.5, emission: Rgb(3, 2, 1), one_sided: true),"#,
+        "glow": Pbr(base_color: Rgb(0.9, 0.8, 0.7), metallic: 0, roughness: 0.5, emission: Rgb(3, 2, 1), one_sided: true),
+        "half": Lambertian(albedo: Rgb(0.5, 0.6, 0.7), emission: Rgb(1, 2, 3), one_sided_emission: true),"#,
     objects: r#"
         Quad(corner: (-0.9, 0.3, 0.3), u: (0.8, 0, 0), v: (0, 0.9, 0.2), material: "glow"),
         Quad(corner: (0.1, 0.2, 0.2), u: (0, 0.8, 0.2), v: (0.8, 0, 0), material: "glow"),
+        Quad(corner: (-0.4, -0.9, 0.5), u: (0.5, 0, 0), v: (0.1, 0.5, 0), material: "half"),
         Mesh(path: "octahedron.obj", material: "metal"),"#,
     max_depth: 6,
     // Light of their backs.

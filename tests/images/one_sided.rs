@@ -68,6 +68,24 @@ fn backs_are_black() {
     }
 }
 
+/// Where the emission alone is that of the front, both sides reflect.
+#[test]
+fn an_emission_may_be_of_the_front_alone() {
+    let quad = "Quad(corner: (-1, -1, 0), u: (2, 0, 0), v: (0, 2, 0), material: \"one\")";
+    let matt = "Lambertian(albedo: Rgb(0.5, 0.5, 0.5), emission: Rgb(0.25, 0.25, 0.25), one_sided_emission: true)";
+    let front = DVec3::new(0.3, 0.2, 3.0);
+    let planted = Overlay::new(&[("extension/emission", "!= 0.0 || front)", "!= 0.0 || !front)")]);
+    for request in [Request::spp(16), Request::spp(16).mis()] {
+        for (from, expected, turned) in [(front, 0.75, 0.5), (-front, 0.5, 0.75)] {
+            let scene = scene(&seen(from, quad, matt));
+            let found = render(&scene, &request).mean_of_all().value[1];
+            assert!((found - expected).abs() < ROUNDING, "{found} {expected}");
+            let found = render_planted(&scene, &request, &planted).mean_of_all().value[1];
+            assert!((found - turned).abs() < ROUNDING, "{found} {turned}");
+        }
+    }
+}
+
 /// The back blocks a lamp without size, and takes none of its light; the front has that of the definition.
 #[test]
 fn a_back_blocks_light() {

@@ -46,12 +46,12 @@ pub fn is_black(material: &Material) -> bool {
     matches!(material, Material::Lambertian(own) if own.albedo == black && own.alpha == Texture::grey(1.0))
 }
 
-/// The emission of a material, and whether its backs are black, if it has them.
+/// The emission of a material, and whether that is of its front alone, if it can have one.
 pub fn emission_of(material: &mut Material) -> Option<(&mut Option<Texture>, &mut bool)> {
     match material {
-        Material::Lambertian(own) => Some((&mut own.emission, &mut own.one_sided)),
-        Material::Plastic(own) => Some((&mut own.emission, &mut own.one_sided)),
-        Material::Pbr(own) => Some((&mut own.emission, &mut own.one_sided)),
+        Material::Lambertian(own) => Some((&mut own.emission, &mut own.one_sided_emission)),
+        Material::Plastic(own) => Some((&mut own.emission, &mut own.one_sided_emission)),
+        Material::Pbr(own) => Some((&mut own.emission, &mut own.one_sided_emission)),
         _ => None,
     }
 }

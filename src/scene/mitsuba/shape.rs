@@ -344,7 +344,7 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a, '_>) -> Result<Surf
             let found = match (found, emission) {
                 (found, None) => found,
                 (None, Some(_)) => return Err(node.error("an area emitter without a surface is not read")),
-                (Some(found), Some((emitter, emission))) => Some(emitting(found, emission, emitter, reader)?),
+                (Some(found), Some((emitter, emission))) => Some(emitting(found, emission, emitter)?),
             };
             let to_uv = reader.to_uv.unwrap_or(DAffine3::IDENTITY);
             let made = found.map(|material| (reader.add_material(material, of_bsdf.unwrap_or(node)), to_uv));
@@ -368,15 +368,12 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a, '_>) -> Result<Surf
 }
 
 /// A material that emits.
-fn emitting(mut material: Material, emission: Texture, emitter: &Node, reader: &mut Reader) -> Result<Material> {
+fn emitting(mut material: Material, emission: Texture, emitter: &Node) -> Result<Material> {
     if surface::is_black(&material) {
         return Ok(Material::DiffuseLight(DiffuseLight { emit: emission, two_sided: false }));
     }
     let slot = surface::emission_of(&mut material);
     let (own, one_sided) = slot.ok_or_else(|| emitter.error("only diffuse and plastic surfaces can emit here"))?;
-    *own = Some(emission);
-    if !*one_sided {
-        reader.lose(emitter, "it emits on both sides here, as its surface has two");
-    }
+    (*own, *one_sided) = (Some(emission), true);
     Ok(material)
 }

@@ -13,6 +13,9 @@ use crate::scene::types::*;
 const KNOWN: &str =
     "diffuse, dielectric, thindielectric, conductor, coateddiffuse, diffusetransmission, mix, interface";
 
+/// The thickness of a layer up to which its absorption is off by a percent at most where light grazes it.
+const THICKEST: f64 = 0.03;
+
 /// The indices of the glasses that have names, at 587.6 nm.
 const GLASSES: [(&str, f64); 7] = [
     ("glass-BK7", 1.5168),
@@ -73,32 +76,47 @@ pub fn lambertian(albedo: Texture) -> Material {
     Material::Lambertian(Lambertian { albedo, ..Lambertian::default() })
 }
 
-/// A matt body under a layer.
+/// A matt body under a layer. Ours lets all light pass, so that what the layer of pbrt absorbs is taken from the body.
 fn coated(params: &Params, reader: &mut Reader) -> Result<Material> {
-    for (name, usual) in [("thickness", 0.01), ("g", 0.0)] {
-        if params.number_or(name, usual)? != usual {
-            reader.made.lose(
-                params.place_of(name),
-                &params.title,
-                &format!("its {name} is not used: nothing lies in its layer"),
-            );
-        }
+    if params.number_or("g", 0.0)? != 0.0 || params.colour("albedo")?.is_some_and(|albedo| albedo != Colour::ZERO) {
+        reader.made.lose(&params.at, &params.title, "its albedo and g are not used: its layer scatters nothing");
     }
-    params.ignore(&["maxdepth", "nsamples"]);
-    if params.colour("albedo")?.is_some_and(|albedo| albedo != Colour::ZERO) {
-        reader.made.lose(params.place_of("albedo"), &params.title, "its albedo is not used: nothing lies in its layer");
-    }
+    params.ignore(&["nsamples"]);
+    let message =
+        "its random walk is a closed form here: its light differs by up to 0.5 %, and 2 % where it is roughest";
+    reader.made.lose(&params.at, &params.title, message);
     let facets = facets(params, reader)?;
     if facets.anisotropy != 0.0 {
         return Err(params.error("expected one roughness for u and v"));
     }
-    Ok(Material::Plastic(Plastic {
-        diffuse: texture_or(params, "reflectance", 0.5, reader)?,
-        ior: index(params, reader)?,
-        roughness: facets.roughness,
-        nonlinear: true,
-        ..Plastic::default()
-    }))
+    let (ior, thickness) = (index(params, reader)?, params.number_or("thickness", 0.01)?.max(0.0));
+    if thickness > THICKEST {
+        reader.made.lose(params.place_of("thickness"), &params.title, "its layer is as dark in all directions here");
+    }
+    let layer = Plastic { ior, roughness: facets.roughness, nonlinear: true, ..Plastic::default() };
+    let inner = 1.0 - layer.layer().0 / (ior * ior);
+    // By the mean of 1 / cos: of light that enters or leaves, and of light that is reflected inside, which passes twice.
+    let cos = (1.0 - 1.0 / (ior * ior)).max(0.0).sqrt();
+    let [passes, returns] = [2.0 * ior * ior * (1.0 - cos), 4.0 / cos.max(0.1)].map(|way| (-thickness * way).exp());
+    let rounds = params.integer_or("maxdepth", 10)?.clamp(0, 1 << 20) as f64 / 2.0;
+    let darker = |albedo: f64| {
+        let again = albedo * inner * returns;
+        let leaves = albedo * passes * passes * (1.0 - again.powf(rounds)) / (1.0 - again);
+        // The model is good for fewer digits.
+        (1e9 * leaves / (1.0 + leaves * inner)).round() / 1e9
+    };
+    let diffuse = match texture_or(params, "reflectance", 0.5, reader)? {
+        Texture::Rgb(r, g, b) => Texture::Rgb(darker(r), darker(g), darker(b)),
+        Texture::Checker { scale, even, odd, uv } => {
+            Texture::Checker { scale, even: even.map(darker), odd: odd.map(darker), uv }
+        }
+        Texture::Image { path, tint, channel, uv_set, wrap } => {
+            reader.made.lose(&params.at, &params.title, "its layer darkens all texels by one factor here");
+            Texture::Image { path, tint: 2.0 * darker(0.5) * tint, channel, uv_set, wrap }
+        }
+        other => other,
+    };
+    Ok(Material::Plastic(Plastic { diffuse, ..layer }))
 }
 
 /// A matt body that lets light pass.

@@ -145,9 +145,6 @@ fn surface(params: &Params, inside: Option<&Medium>, reader: &mut Reader) -> Res
             let wrong = || place.error("AreaLightSource", "only diffuse and coateddiffuse shapes can emit here");
             let (emission, one_sided) = surfaces::emission_of(own).ok_or_else(wrong)?;
             (*emission, *one_sided) = (Some(emit), !two_sided);
-            if !two_sided {
-                reader.made.lose(&place, "AreaLightSource", "the backs of its shapes are black here");
-            }
         }
     }
     if alpha != Texture::grey(1.0) {

@@ -268,8 +268,6 @@ impl<'a> Reader<'a> {
 
     fn matt(&mut self, common: Common, of_vertices: OfVertices) -> Material {
         let (is_light, is_unlit) = (model(self.given) == Model::Light, model(self.given) == Model::Unlit);
-        let of_one_side = is_light && !self.given.double_sided;
-        self.found.extend(of_one_side.then(|| "it emits to both sides".to_owned()));
         let pbr = common.pbr;
         Material::Lambertian(Lambertian {
             albedo: if is_unlit { Texture::grey(0.0) } else { pbr.base_color },
@@ -282,6 +280,7 @@ impl<'a> Reader<'a> {
             normal: pbr.normal,
             normal_scale: pbr.normal_scale,
             one_sided: false,
+            one_sided_emission: is_light && !self.given.double_sided,
         })
     }
 
