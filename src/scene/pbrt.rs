@@ -154,7 +154,9 @@ impl Run<'_> {
     }
 
     fn transform(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>) -> Step {
-        let ctm = &mut self.reader.state.ctm;
+        let mut of_end = self.reader.state.ctm;
+        let is_at_end = self.reader.state.is_at_end;
+        let ctm = if is_at_end { &mut of_end } else { &mut self.reader.state.ctm };
         match word {
             "Identity" => *ctm = DAffine3::IDENTITY,
             "Translate" => *ctm *= DAffine3::from_translation(DVec3::from_array(tokens.numbers(word)?)),
@@ -361,6 +363,14 @@ impl Run<'_> {
             }
             "Option" => _ = Params::read(word.to_owned(), at.clone(), tokens)?,
             "WorldEnd" => {}
+            "TransformTimes" => _ = tokens.numbers::<2>(word)?,
+            "ActiveTransform" => {
+                let Some(Token::Word(which @ ("StartTime" | "EndTime" | "All"))) = tokens.next()? else {
+                    return Err(Notation::at(at, word, "expected StartTime, EndTime or All").into());
+                };
+                reader.state.is_at_end = which == "EndTime";
+                reader.made.lose(at, word, "what moves is at rest, where it is when the shutter opens");
+            }
             _ => return Err(Notation::at(&at, word, "this directive is not read").into()),
         }
         Ok(())

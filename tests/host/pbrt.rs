@@ -110,13 +110,19 @@ const SAME: &[Same] = &[
         Texture "m" "spectrum" "mix" "rgb tex1" [1 0 0.5] "rgb tex2" [0 1 0.5] "float amount" 0.25
         Material "diffuse" "texture reflectance" "m" Shape "disk" "float innerradius" 0
         ObjectBegin "o" AreaLightSource "diffuse" Translate 1 0 0 Shape "sphere" ObjectEnd
+        AttributeBegin AreaLightSource "diffuse" "float power" 19.739208802178716
+          Material "diffuse" "rgb reflectance" [0 0 0] Shape "disk" AttributeEnd
         Translate 0 1 0 Scale 2 2 2 ObjectInstance "o""#,
-        r#"background: Solid((1, 1, 1)), materials: { "diffuse": Lambertian(albedo: Rgb(0.75, 0.25, 0.5)) },
+        r#"background: Solid((1, 1, 1)), materials: {
+            "diffuse": Lambertian(albedo: Rgb(0.75, 0.25, 0.5)),
+            "diffuse 2": DiffuseLight(emit: Rgb(2, 2, 2), two_sided: false),
+        },
         objects: [
             PointLight(at: (0, 0, 0), intensity: (1, 0.25, 1)),
             SpotLight(at: (0, 0, 0), towards: (0, 0, 1), intensity: (1, 1, 1), inner: 0, outer: 90, falloff: Smooth),
             DirectionalLight(direction: (0, -1, 0), irradiance: (3, 3, 3)),
             Disk(center: (0, 0, 0), normal: (0, 0, 1), radius: 1, material: "diffuse"),
+            Disk(center: (0, 0, 0), normal: (0, 0, 1), radius: 1, material: "diffuse 2"),
             Transformed(by: [Scale(2), Translate((0, 1, 0))], object: Group([Sphere(center: (1, 0, 0), radius: 1, material: "diffuse")])),
         ],"#,
         &["Shape sphere: it emits nothing: pbrt has no area lights in objects"],
@@ -191,7 +197,11 @@ fn errors_have_places() {
             "LightSource \"infinite\" \"string filename\" \"a.exr\" \"float illuminance\" 1",
             "illuminance is not read here",
         ),
-        ("AreaLightSource \"diffuse\" \"float power\" 1", "power is not read here: give the light its scale"),
+        (
+            "AreaLightSource \"diffuse\" \"float power\" 1 Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0]",
+            "the power of its light is not read",
+        ),
+        ("ActiveTransform Middle", "ActiveTransform: expected StartTime, EndTime or All"),
         (
             "LightSource \"point\" \"spectrum I\" \"x.spd\"",
             "a.pbrt:4:21: LightSource point.I: cannot read the spectrum: ",
@@ -213,6 +223,16 @@ fn errors_have_places() {
 fn what_pbrt_shows_otherwise_is_told_and_can_be_refused() {
     for (directives, told) in [
         ("Shape \"curve\"", "Shape curve: it is left out"),
+        (
+            "Material \"coatedconductor\" \"float conductor.roughness\" 0.1 \"float thickness\" 1 Shape \"disk\"",
+            "its coat is left out",
+        ),
+        ("Material \"hair\" \"float beta_m\" 0.1 Shape \"disk\"", "Material hair: it becomes a matt surface"),
+        (
+            "LightSource \"goniometric\" \"string filename\" \"g.exr\"",
+            "its image is not used: it becomes a point light",
+        ),
+        ("ActiveTransform EndTime Translate 1 0 0 ActiveTransform All Shape \"disk\"", "what moves is at rest"),
         (
             "Material \"dielectric\" \"spectrum eta\" \"glass-BK7\" Shape \"disk\"",
             "its index is 1.5168 for all colours",

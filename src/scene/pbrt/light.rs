@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::printable::quote;
 use crate::scene::imported::spectrum;
 use crate::scene::imported::transform::turns;
-use crate::scene::types::{Background, Colour, Falloff, Object, SkyLayout};
+use crate::scene::types::{Background, Colour, Falloff, Object, SkyLayout, Texture};
 
 /// The light of a parameter, times its `scale` and that of the film. Without it, that of the colour space's white. `total`: the parameter that
 /// may give the light of all directions or of a plane, and what that is of a light of 1, if it is known.
@@ -42,20 +42,27 @@ pub fn area(kind: &str, params: Params, reader: &mut Reader) -> Result<Area> {
     if kind != "diffuse" {
         return Err(params.error("this area light is not read: expected diffuse"));
     }
-    let radiance = emitted(&params, "L", ("power", 0.0), reader)?;
+    let sides = if params.flag_or("twosided", false)? { 2.0 } else { 1.0 };
+    let radiance = emitted(&params, "L", ("power", sides), reader)?;
+    let is_power = params.number_or("power", 0.0)? > 0.0;
     if params.has("filename") {
         return Err(params.error_at("filename", "an image of an area light is not read"));
     }
-    let is_two_sided = params.flag_or("twosided", false)?;
     reader.end(&params);
-    Ok(Area { radiance, is_two_sided, at: params.at })
+    Ok(Area { radiance, is_two_sided: sides == 2.0, is_power, at: params.at })
 }
 
 pub fn light(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
     let ctm = reader.state.ctm;
     let from = ctm.transform_point3(params.point_or("from", DVec3::ZERO)?);
+    if kind == "goniometric" {
+        params.ignore(&["filename"]);
+        reader.made.lose(&params.at, &params.title, "its image is not used: it becomes a point light");
+    }
     let object = match kind {
-        "point" => Object::PointLight { at: from, intensity: emitted(params, "I", ("power", 4.0 * PI), reader)? },
+        "point" | "goniometric" => {
+            Object::PointLight { at: from, intensity: emitted(params, "I", ("power", 4.0 * PI), reader)? }
+        }
         "spot" => {
             let towards = ctm.transform_point3(params.point_or("to", DVec3::Z)?);
             let outer = params.number_or("coneangle", 30.0)?;
@@ -96,6 +103,21 @@ pub fn light(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
     reader.end(params);
     reader.add_object(object, &params.at);
     Ok(())
+}
+
+impl Medium {
+    /// The medium in a boundary.
+    pub fn inside(self, boundary: Object) -> Result<Object> {
+        let Medium { extinction, albedo: Colour { x, y, z }, anisotropy, at } = self;
+        if extinction != Colour::splat(extinction.x) {
+            let channels = extinction.to_array();
+            let message =
+                format!("expected one number for the extinction of all channels of its medium, found {channels:?}");
+            return Err(at.error("MakeNamedMedium", message));
+        }
+        let (boundary, albedo) = (Box::new(boundary), Texture::Rgb(x, y, z));
+        Ok(Object::Medium { boundary, density: extinction.x, albedo, anisotropy })
+    }
 }
 
 /// The medium of a directive.

@@ -66,6 +66,17 @@ pub fn material(kind: &str, params: &Params, reader: &mut Reader) -> Result<Opti
         })),
         "conductor" => Some(conductor(params, reader)?),
         "mix" => Some(mix(params, reader)?),
+        "coatedconductor" => {
+            reader.made.lose(&params.at, &params.title, "its coat is left out");
+            Some(conductor(&params.of_part("conductor"), reader)?)
+        }
+        "hair" | "measured" | "subsurface" => {
+            reader.made.lose(&params.at, &params.title, "it becomes a matt surface");
+            let albedo =
+                params.has("reflectance").then(|| texture_or(params, "reflectance", 0.5, reader)).transpose()?;
+            params.ignore_all();
+            return Ok(Some(lambertian(albedo.unwrap_or(Texture::grey(0.5)))));
+        }
         _ => return Err(params.error(format!("this material is not read: expected one of {KNOWN}"))),
     };
     reader.end(params);

@@ -138,6 +138,20 @@ impl Params {
         self.all.iter().filter(|param| names.contains(&param.name.as_str())).for_each(|param| param.used.set(true));
     }
 
+    pub fn ignore_all(&self) {
+        self.all.iter().for_each(|param| param.used.set(true));
+    }
+
+    /// The parameters of a part, which stands before their names, and those of no part. All count as used.
+    pub fn of_part(&self, part: &str) -> Params {
+        self.ignore_all();
+        let own = |param: &Param| match param.name.split_once('.') {
+            Some((of, name)) => (of == part).then(|| Param { name: name.to_owned(), ..param.clone() }),
+            None => Some(param.clone()),
+        };
+        Params { all: self.all.iter().filter_map(own).collect(), ..self.clone() }
+    }
+
     pub fn numbers(&self, name: &str, kinds: &[&str]) -> Result<Option<&[f64]>> {
         match self.find(name, kinds)?.map(|param| &param.values) {
             None => Ok(None),

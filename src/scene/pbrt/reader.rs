@@ -24,6 +24,8 @@ pub struct Look {
 pub struct Area {
     pub radiance: Colour,
     pub is_two_sided: bool,
+    /// Whether that is the power of a shape, on its sides together.
+    pub is_power: bool,
     pub at: Place,
 }
 
@@ -55,6 +57,8 @@ pub struct State {
     /// The index of the area light.
     pub area: Option<usize>,
     pub is_reversed: bool,
+    /// Whether transforms are of the end of motion alone, which is not read.
+    pub is_at_end: bool,
     /// The name of the medium inside of shapes.
     pub inside: String,
     /// The parameters of all shapes, lights and so on.

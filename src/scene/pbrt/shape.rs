@@ -1,5 +1,6 @@
 //! Shapes: as our own where they are the same, as meshes elsewhere.
 
+use std::f64::consts::PI;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -43,7 +44,7 @@ pub fn shape(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mu
             Some(reader.media.get(name).cloned().ok_or_else(missing)?)
         }
     };
-    let look = surface(params, inside.as_ref(), reader)?;
+    let look = surface(kind, params, inside.as_ref(), reader)?;
     // A mirror image of a quadric is inside out in pbrt, that of a mesh is not.
     let flips = reader.state.is_reversed != (by.matrix3.determinant() < 0.0);
     let is_seen = look.0.is_some();
@@ -71,20 +72,9 @@ pub fn shape(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mu
     };
     reader.end(params);
     // Glass has the absorption of a medium that scatters nothing.
-    let inside = inside.filter(|medium| !(medium.albedo == Colour::ZERO && is_glass(reader)));
-    if let Some(medium) = inside {
-        let boundary = surfaces::without_material(object.clone());
-        let Medium { extinction, albedo: Colour { x, y, z }, anisotropy, at } = medium;
-        if extinction != Colour::splat(extinction.x) {
-            let channels = extinction.to_array();
-            let message =
-                format!("expected one number for the extinction of all channels of its medium, found {channels:?}");
-            return Err(at.error("MakeNamedMedium", message));
-        }
-        let albedo = Texture::Rgb(x, y, z);
-        let boundary = Box::new(boundary);
-        let object = Object::Medium { boundary, density: extinction.x, albedo, anisotropy };
-        reader.add_object(object, &params.at);
+    if let Some(medium) = inside.filter(|medium| !(medium.albedo == Colour::ZERO && is_glass(reader))) {
+        let medium = medium.inside(surfaces::without_material(object.clone()))?;
+        reader.add_object(medium, &params.at);
     }
     if is_seen {
         reader.add_object(object, &params.at);
@@ -121,18 +111,19 @@ pub fn instance(name: &str, at: &Place, progress: &mut OnProgress, reader: &mut 
 }
 
 /// The name of the material of a shape, which may emit and have an alpha, or nothing for an interface; and the mapping of its textures.
-fn surface(params: &Params, inside: Option<&Medium>, reader: &mut Reader) -> Result<On> {
+fn surface(kind: &str, params: &Params, inside: Option<&Medium>, reader: &mut Reader) -> Result<On> {
     reader.mapping.set(reader.looks[reader.state.look].mapping);
     let alpha = number_or(params, "alpha", 1.0, reader)?;
     let absorption = inside.filter(|medium| medium.albedo == Colour::ZERO).map(|medium| medium.extinction);
-    let key = (reader.state.look, reader.state.area, format!("{alpha:?} {absorption:?}"));
+    let area = reader.state.area.and_then(|area| reader.areas.get(area));
+    let size = if area.is_some_and(|area| area.is_power) { size(kind, params)? } else { 1.0 };
+    let key = (reader.state.look, reader.state.area, format!("{alpha:?} {absorption:?} {size}"));
     if let Some(known) = reader.known.get(&key) {
         return Ok(known.clone());
     }
     let look = &reader.looks[key.0];
     let (mut found, name, at) = (look.material.clone(), look.name.clone(), look.at.clone());
-    let area = key.1.and_then(|area| reader.areas.get(area));
-    let light = area.map(|area| (area.radiance, area.is_two_sided, area.at.clone()));
+    let light = area.map(|area| (area.radiance / size, area.is_two_sided, area.at.clone()));
     if let Some(slot) = found.as_mut().and_then(surfaces::absorption_of) {
         *slot = absorption;
     }
@@ -161,6 +152,20 @@ fn is_glass(reader: &Reader) -> bool {
     matches!(material, Some(Material::Dielectric(_) | Material::RoughDielectric(_)))
 }
 
+/// What the power of a shape's light is of its radiance: π times the area that pbrt counts, which is that before the transform.
+fn size(kind: &str, params: &Params) -> Result<f64> {
+    let ((radius, turn), number) = (round(params)?, |name, usual| params.number_or(name, usual));
+    let area = match kind {
+        "disk" => PI * turn * (radius * radius - number("innerradius", 0.0)?.powi(2)),
+        "sphere" => {
+            2.0 * PI * turn * radius * (number("zmax", radius)?.min(radius) - number("zmin", -radius)?.max(-radius))
+        }
+        "cylinder" => 2.0 * PI * turn * radius * (number("zmax", 1.0)? - number("zmin", -1.0)?),
+        _ => return Err(params.error("the power of its light is not read here: give the light its scale")),
+    };
+    Ok(PI * area)
+}
+
 /// The radius of a quadric, and its share of a turn.
 fn round(params: &Params) -> Result<(f64, f64)> {
     let (radius, turn) = (params.number_or("radius", 1.0)?, params.number_or("phimax", 360.0)? / 360.0);
@@ -174,9 +179,8 @@ fn round(params: &Params) -> Result<(f64, f64)> {
 
 fn sphere(params: &Params, by: &DAffine3, flips: bool, look: On, reader: &mut Reader) -> Result<Object> {
     let (radius, turn) = round(params)?;
-    let share = |name, usual: f64| {
-        Ok((params.number_or(name, usual * radius)?.clamp(-radius, radius) / radius).acos() / std::f64::consts::PI)
-    };
+    let share =
+        |name, usual: f64| Ok((params.number_or(name, usual * radius)?.clamp(-radius, radius) / radius).acos() / PI);
     let (bottom, top) = (share("zmin", -1.0)?, share("zmax", 1.0)?);
     if bottom <= top {
         return Err(params.error_at("zmin", "expected a zmin below the zmax"));
