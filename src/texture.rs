@@ -230,6 +230,12 @@ impl Bitmap {
     }
 }
 
+impl From<Colour> for Texture {
+    fn from(Colour { x, y, z }: Colour) -> Texture {
+        Texture::Rgb(x, y, z)
+    }
+}
+
 impl Texture {
     /// Refuses numbers that are invalid, or out of range for the use of the texture.
     pub fn check(&self, at: &ValuePath, usage: Use) -> Result<()> {
@@ -314,6 +320,20 @@ impl Texture {
             channel.get_or_insert(given);
         }
         self
+    }
+
+    /// The texture with its colours changed; that of an image is its tint.
+    pub fn map(self, change: impl Fn(Colour) -> Colour) -> Texture {
+        match self {
+            Texture::Rgb(r, g, b) => change(Colour::new(r, g, b)).into(),
+            Texture::Checker { scale, even, odd, uv } => {
+                Texture::Checker { scale, even: change(even), odd: change(odd), uv }
+            }
+            Texture::Image { path, tint, channel, uv_set, wrap } => {
+                Texture::Image { path, tint: change(tint), channel, uv_set, wrap }
+            }
+            other => other,
+        }
     }
 
     /// A texture with the same number everywhere.

@@ -11,7 +11,7 @@ use crate::threads::{cores, each};
 /// The fewest columns, so that edges between few texels are found.
 const FEWEST_COLUMNS: usize = 256;
 
-/// Where a unit vector lies on the square (shaders/lib/square_map.wgsl).
+/// The place of a unit vector on the square (shaders/lib/square_map.wgsl).
 fn on_square(d: DVec3) -> DVec2 {
     let r = d.truncate().length() / (1.0 + d.z.abs()).sqrt();
     let share = d.y.abs().atan2(d.x.abs()) / (0.5 * PI);

@@ -22,7 +22,7 @@ use crate::error::{Error, Location};
 use crate::shape::mesh::Mesh;
 pub use write_ply::write_ply;
 
-/// Where something begins in a file.
+/// A place in a file.
 #[derive(Clone, Debug)]
 pub struct Place {
     pub file: Arc<Path>,
@@ -44,7 +44,7 @@ impl Place {
     }
 }
 
-/// What has been made of a scene so far, and what was said about it.
+/// The scene that a reader has made so far, and what it has told.
 pub struct Imported<'a> {
     /// The scene file that is written, to whose folder paths are relative.
     to: PathBuf,

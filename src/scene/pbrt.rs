@@ -286,7 +286,7 @@ impl Run<'_> {
             "Sampler" => camera::sampler(&params, reader)?,
             "Integrator" => camera::integrator(kind, &params, reader)?,
             "PixelFilter" if kind != "box" => {
-                reader.made.lose(&params.at, &params.title, "this filter is not used: --filter chooses one");
+                reader.lose(&params, "", "this filter is not used: --filter chooses one");
             }
             _ => {}
         }
@@ -315,7 +315,7 @@ impl Run<'_> {
             }
             "MakeNamedMedium" => {
                 let made = light::medium(&params, reader)?;
-                reader.media.insert(kind.to_owned(), made);
+                reader.media.insert(kind.to_owned(), (made, params.at));
             }
             "LightSource" => light::light(kind, &params, reader)?,
             "AreaLightSource" => {

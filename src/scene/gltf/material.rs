@@ -365,18 +365,10 @@ fn alpha(given: &Given) -> (f64, Option<f64>) {
 
 /// What each of two surfaces lets pass, so that both together let this colour pass.
 fn root_of(colour: Texture, notes: &mut Vec<String>) -> Texture {
-    let root = |tint: Colour| tint.map(f64::sqrt);
-    match colour {
-        Texture::Rgb(r, g, b) => {
-            let Colour { x, y, z } = root(Colour::new(r, g, b));
-            Texture::Rgb(x, y, z)
-        }
-        Texture::Image { path, tint, channel, uv_set, wrap } => {
-            notes.push("the image of its colour tints light at both surfaces of the glass, so twice".to_owned());
-            Texture::Image { path, tint: root(tint), channel, uv_set, wrap }
-        }
-        other => other,
+    if colour.decoded().is_some() {
+        notes.push("the image of its colour tints light at both surfaces of the glass, so twice".to_owned());
     }
+    colour.map(|tint| tint.map(f64::sqrt))
 }
 
 /// A share of light, cut to its range.

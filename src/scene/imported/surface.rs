@@ -40,6 +40,25 @@ pub fn without_material(mut object: Object) -> Object {
     object
 }
 
+/// A homogeneous medium.
+#[derive(Clone)]
+pub struct Medium {
+    pub extinction: Colour,
+    pub albedo: Colour,
+    pub anisotropy: f64,
+}
+
+impl Medium {
+    pub fn inside(&self, boundary: Object) -> Object {
+        Object::Medium {
+            boundary: Box::new(boundary),
+            density: self.extinction.x,
+            albedo: self.albedo.into(),
+            anisotropy: self.anisotropy,
+        }
+    }
+}
+
 /// Whether a material is a matt black without holes, which may be a lamp.
 pub fn is_black(material: &Material) -> bool {
     let black = Texture::grey(0.0);
@@ -85,7 +104,7 @@ pub struct Facets {
 }
 
 impl Facets {
-    /// Those of the alphas along u and v.
+    /// Microfacets by the alphas along u and v.
     pub fn of(u: f64, v: f64, distribution: Distribution) -> Facets {
         let (least, most) = (u.min(v).min(1.0), u.max(v).min(1.0));
         Facets {

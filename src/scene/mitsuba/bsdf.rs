@@ -348,8 +348,7 @@ fn slot<'a>(
         let found = reader.follow(child, "texture")?;
         return texture(found, is_number, reader);
     }
-    let Colour { x, y, z } = colour(child)?;
-    Ok(Texture::Rgb(x, y, z))
+    Ok(colour(child)?.into())
 }
 
 fn texture<'a>(node: &'a Node, is_number: bool, reader: &mut Reader<'a, '_>) -> Result<Texture> {

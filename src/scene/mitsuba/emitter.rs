@@ -7,9 +7,10 @@ use super::properties::{Properties, unknown};
 use super::reader::Reader;
 use crate::error::Result;
 use crate::printable::quote;
+use crate::scene::imported::surface::Medium;
 use crate::scene::imported::transform::turns;
 use crate::scene::sky::SKY;
-use crate::scene::types::{Background, Colour, Falloff, Object, SkyLayout, Texture};
+use crate::scene::types::{Background, Colour, Falloff, Object, SkyLayout};
 
 /// Half a turn around y: their skies have +z in the middle, ours -z.
 const HALF_TURN: DMat3 = DMat3::from_cols(DVec3::NEG_X, DVec3::Y, DVec3::NEG_Z);
@@ -66,25 +67,6 @@ pub fn emitter(node: &Node, reader: &mut Reader) -> Result<Emitter> {
     };
     own.end(reader);
     Ok(found)
-}
-
-/// A medium inside a boundary.
-pub struct Medium {
-    pub extinction: Colour,
-    pub albedo: Colour,
-    pub anisotropy: f64,
-}
-
-impl Medium {
-    pub fn inside(&self, boundary: Object) -> Object {
-        let Colour { x, y, z } = self.albedo;
-        Object::Medium {
-            boundary: Box::new(boundary),
-            density: self.extinction.x,
-            albedo: Texture::Rgb(x, y, z),
-            anisotropy: self.anisotropy,
-        }
-    }
 }
 
 pub fn medium(node: &Node, reader: &mut Reader) -> Result<Medium> {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2};
 
 use super::document::{Node, resolve};
-use super::emitter::{Medium, medium};
+use super::emitter::medium;
 use super::properties::{Properties, unknown};
 use super::reader::{Body, Reader};
 use super::{bsdf, serialized};
@@ -13,6 +13,7 @@ use crate::error::Result;
 use crate::lobe::anisotropy::ANISOTROPY;
 use crate::scene::draft::MOST_BYTES;
 use crate::scene::file::{self, OnProgress};
+use crate::scene::imported::surface::Medium;
 use crate::scene::imported::transform::moved;
 use crate::scene::imported::{mesh, surface};
 use crate::scene::mesh_files::load_file;
@@ -92,12 +93,7 @@ pub fn shape<'a>(
                     let normal = normal.normalize_or(DVec3::Z) * if flips { -1.0 } else { 1.0 };
                     Object::Disk { center: to_world.translation, normal, radius: x.length(), material }
                 }
-                false => {
-                    let mut mesh = mesh::disk(0.0, 1.0);
-                    // Its u is the radius, and its v the share of a turn, downwards.
-                    mesh.uvs.iter_mut().for_each(|uv| *uv = Vec2::new(1.0 - uv.y, 1.0 - uv.x));
-                    made(node, mesh, &to_world, flips, &surface, reader)
-                }
+                false => made(node, disk(), &to_world, flips, &surface, reader),
             }
         }
         "cylinder" => {
@@ -196,6 +192,13 @@ fn instance<'a>(
     reader.bodies.truncate(bodies);
     let group = Object::Group(objects);
     Ok(if is_even { moved(to_world, group.clone()).unwrap_or(group) } else { group })
+}
+
+/// A disk, whose u is the radius, and whose v is the share of a turn, downwards.
+fn disk() -> Mesh {
+    let mut mesh = mesh::disk(0.0, 1.0);
+    mesh.uvs.iter_mut().for_each(|uv| *uv = Vec2::new(1.0 - uv.y, 1.0 - uv.x));
+    mesh
 }
 
 /// The sphere that the unit sphere becomes.

@@ -40,10 +40,10 @@ pub fn film(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
     }
     if let Some(sensor) = params.word("sensor")?.filter(|sensor| *sensor != "cie1931") {
         let message = format!("the sensor {} is not used: colours are those of the observer of 1931", quote(sensor));
-        reader.made.lose(params.place_of("sensor"), &params.title, &message);
+        reader.lose(params, "sensor", &message);
     }
     if params.number_or("whitebalance", 0.0)? != 0.0 {
-        reader.made.lose(params.place_of("whitebalance"), &params.title, "the white is not balanced here");
+        reader.lose(params, "whitebalance", "the white is not balanced here");
     }
     let scale = params.number_or("iso", 100.0)? / 100.0;
     reader.film = Film { width, height, crop, scale };
@@ -143,11 +143,11 @@ pub fn integrator(kind: &str, params: &Params, reader: &mut Reader) -> Result<()
     reader.made.parts.render.max_depth =
         depth.ok_or_else(|| params.error_at("maxdepth", "expected a maxdepth from 1 to 1000000"))?;
     if params.flag_or("regularize", false)? {
-        reader.made.lose(&params.at, &params.title, "regularize is not used: nothing is blurred");
+        reader.lose(params, "", "regularize is not used: nothing is blurred");
     }
-    params.ignore(&["lightsampler", "samplelights", "samplebsdf", "bootstrapsamples", "chains", "mutationsperpixel"]);
-    params.ignore(&["largestepprobability", "sigma", "photonsperiteration", "radius", "seed", "visualizestrategies"]);
-    params.ignore(&["visualizeweights"]);
+    let others = "lightsampler samplelights samplebsdf bootstrapsamples chains mutationsperpixel largestepprobability sigma photonsperiteration \
+                  radius seed visualizestrategies visualizeweights";
+    params.ignore(&others.split_whitespace().collect::<Vec<_>>());
     reader.end(params);
     Ok(())
 }

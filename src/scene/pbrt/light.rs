@@ -5,12 +5,13 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::params::{Params, Spectrum, unit};
-use super::reader::{Area, Medium, Reader};
+use super::reader::{Area, Reader};
 use crate::error::Result;
 use crate::printable::quote;
 use crate::scene::imported::spectrum;
+use crate::scene::imported::surface::Medium;
 use crate::scene::imported::transform::turns;
-use crate::scene::types::{Background, Colour, Falloff, Object, SkyLayout, Texture};
+use crate::scene::types::{Background, Colour, Falloff, Object, SkyLayout};
 
 /// The light of a parameter, times its `scale` and that of the film. Without it, that of the colour space's white. `total`: the parameter that
 /// may give the light of all directions or of a plane, and what that is of a light of 1, if it is known.
@@ -57,7 +58,7 @@ pub fn light(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
     let from = ctm.transform_point3(params.point_or("from", DVec3::ZERO)?);
     if kind == "goniometric" {
         params.ignore(&["filename"]);
-        reader.made.lose(&params.at, &params.title, "its image is not used: it becomes a point light");
+        reader.lose(params, "", "its image is not used: it becomes a point light");
     }
     let object = match kind {
         "point" | "goniometric" => {
@@ -84,6 +85,10 @@ pub fn light(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
                 return Err(params.error("expected one infinite light, found another"));
             }
             reader.made.place(&["background"], &params.at);
+            if params.has("portal") {
+                params.ignore(&["portal"]);
+                reader.lose(params, "portal", "its light comes from beside its portal too");
+            }
             let of_plane = if params.has("filename") { 0.0 } else { PI };
             let radiance = emitted(params, "L", ("illuminance", of_plane), reader)?;
             reader.made.parts.background = Some(match params.word("filename")? {
@@ -103,21 +108,6 @@ pub fn light(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
     reader.end(params);
     reader.add_object(object, &params.at);
     Ok(())
-}
-
-impl Medium {
-    /// The medium in a boundary.
-    pub fn inside(self, boundary: Object) -> Result<Object> {
-        let Medium { extinction, albedo: Colour { x, y, z }, anisotropy, at } = self;
-        if extinction != Colour::splat(extinction.x) {
-            let channels = extinction.to_array();
-            let message =
-                format!("expected one number for the extinction of all channels of its medium, found {channels:?}");
-            return Err(at.error("MakeNamedMedium", message));
-        }
-        let (boundary, albedo) = (Box::new(boundary), Texture::Rgb(x, y, z));
-        Ok(Object::Medium { boundary, density: extinction.x, albedo, anisotropy })
-    }
 }
 
 /// The medium of a directive.
@@ -141,5 +131,5 @@ pub fn medium(params: &Params, reader: &mut Reader) -> Result<Medium> {
     );
     let anisotropy = params.number_or("g", 0.0)?;
     reader.end(params);
-    Ok(Medium { extinction: scale * extinction, albedo, anisotropy, at: params.at.clone() })
+    Ok(Medium { extinction: scale * extinction, albedo, anisotropy })
 }

@@ -34,11 +34,7 @@ pub fn material(kind: &str, params: &Params, reader: &mut Reader) -> Result<Opti
     for name in ["displacement", "normalmap"] {
         if params.has(name) {
             params.ignore(&[name]);
-            reader.made.lose(
-                params.place_of(name),
-                &params.title,
-                &format!("its {name} is left out: the surface is smooth"),
-            );
+            reader.lose(params, name, &format!("its {name} is left out: the surface is smooth"));
         }
     }
     let found = match kind {
@@ -67,15 +63,14 @@ pub fn material(kind: &str, params: &Params, reader: &mut Reader) -> Result<Opti
         "conductor" => Some(conductor(params, reader)?),
         "mix" => Some(mix(params, reader)?),
         "coatedconductor" => {
-            reader.made.lose(&params.at, &params.title, "its coat is left out");
+            reader.lose(params, "", "its coat is left out");
             Some(conductor(&params.of_part("conductor"), reader)?)
         }
         "hair" | "measured" | "subsurface" => {
-            reader.made.lose(&params.at, &params.title, "it becomes a matt surface");
-            let albedo =
-                params.has("reflectance").then(|| texture_or(params, "reflectance", 0.5, reader)).transpose()?;
+            reader.lose(params, "", "it becomes a matt surface");
+            let albedo = texture_or(params, "reflectance", 0.5, reader)?;
             params.ignore_all();
-            return Ok(Some(lambertian(albedo.unwrap_or(Texture::grey(0.5)))));
+            Some(lambertian(albedo))
         }
         _ => return Err(params.error(format!("this material is not read: expected one of {KNOWN}"))),
     };
@@ -90,19 +85,23 @@ pub fn lambertian(albedo: Texture) -> Material {
 /// A matt body under a layer. Ours lets all light pass, so that what the layer of pbrt absorbs is taken from the body.
 fn coated(params: &Params, reader: &mut Reader) -> Result<Material> {
     if params.number_or("g", 0.0)? != 0.0 || params.colour("albedo")?.is_some_and(|albedo| albedo != Colour::ZERO) {
-        reader.made.lose(&params.at, &params.title, "its albedo and g are not used: its layer scatters nothing");
+        reader.lose(params, "", "its albedo and g are not used: its layer scatters nothing");
     }
     params.ignore(&["nsamples"]);
-    let message =
-        "its random walk is a closed form here: its light differs by up to 0.5 %, and 2 % where it is roughest";
-    reader.made.lose(&params.at, &params.title, message);
     let facets = facets(params, reader)?;
     if facets.anisotropy != 0.0 {
         return Err(params.error("expected one roughness for u and v"));
     }
+    let message = match facets.roughness > 0.0 {
+        false => "its random walk is a closed form here, which differs by up to 0.5 %",
+        true => {
+            "its random walk is a closed form here: the light that pbrt samples at lamps is up to 10 % brighter than what its paths find"
+        }
+    };
+    reader.lose(params, "", message);
     let (ior, thickness) = (index(params, reader)?, params.number_or("thickness", 0.01)?.max(0.0));
     if thickness > THICKEST {
-        reader.made.lose(params.place_of("thickness"), &params.title, "its layer is as dark in all directions here");
+        reader.lose(params, "thickness", "its layer is as dark in all directions here");
     }
     let layer = Plastic { ior, roughness: facets.roughness, nonlinear: true, ..Plastic::default() };
     let inner = 1.0 - layer.layer().0 / (ior * ior);
@@ -116,24 +115,19 @@ fn coated(params: &Params, reader: &mut Reader) -> Result<Material> {
         // The model is good for fewer digits.
         (1e9 * leaves / (1.0 + leaves * inner)).round() / 1e9
     };
-    let diffuse = match texture_or(params, "reflectance", 0.5, reader)? {
-        Texture::Rgb(r, g, b) => Texture::Rgb(darker(r), darker(g), darker(b)),
-        Texture::Checker { scale, even, odd, uv } => {
-            Texture::Checker { scale, even: even.map(darker), odd: odd.map(darker), uv }
-        }
-        Texture::Image { path, tint, channel, uv_set, wrap } => {
-            reader.made.lose(&params.at, &params.title, "its layer darkens all texels by one factor here");
-            Texture::Image { path, tint: 2.0 * darker(0.5) * tint, channel, uv_set, wrap }
-        }
-        other => other,
-    };
+    let albedo = texture_or(params, "reflectance", 0.5, reader)?;
+    let is_image = albedo.decoded().is_some();
+    if is_image {
+        reader.lose(params, "", "its layer darkens all texels by one factor here");
+    }
+    let diffuse = albedo.map(|own| if is_image { 2.0 * darker(0.5) * own } else { own.map(darker) });
     Ok(Material::Plastic(Plastic { diffuse, ..layer }))
 }
 
 /// A matt body that lets light pass.
 fn translucent(params: &Params, reader: &mut Reader) -> Result<Material> {
     let scale = params.number_or("scale", 1.0)?;
-    let share = |name| match texture_or(params, name, 0.25, reader)? {
+    let mut share = |name| match texture_or(params, name, 0.25, reader)? {
         Texture::Rgb(r, g, b) => Ok(scale * Colour::new(r, g, b)),
         _ => Err(params.error_at(name, "a texture of diffusetransmission is not read")),
     };
@@ -150,11 +144,11 @@ fn translucent(params: &Params, reader: &mut Reader) -> Result<Material> {
     let over = |colour: Colour, share: f64| if share > 0.0 { colour / share } else { Colour::ZERO };
     let (base, far) = (over(reflected, 1.0 - through), over(passed, through));
     Ok(Material::Pbr(Pbr {
-        base_color: Texture::Rgb(base.x, base.y, base.z),
+        base_color: base.into(),
         metallic: Texture::grey(0.0),
         specular: Texture::grey(0.0),
         diffuse_transmission: Texture::grey(through),
-        diffuse_transmission_color: Texture::Rgb(far.x, far.y, far.z),
+        diffuse_transmission_color: far.into(),
         ..Pbr::default()
     }))
 }
@@ -236,11 +230,7 @@ fn index(params: &Params, reader: &mut Reader) -> Result<f64> {
             let unknown =
                 || params.error_at("eta", format!("the glass {} is not known here: give a float", quote(&name)));
             let (_, ior) = known.ok_or_else(unknown)?;
-            reader.made.lose(
-                params.place_of("eta"),
-                &params.title,
-                &format!("its index is {ior} for all colours here"),
-            );
+            reader.lose(params, "eta", &format!("its index is {ior} for all colours here"));
             ior
         }
         Some(_) => return Err(params.error_at("eta", "expected one number, or the name of a glass")),
@@ -260,12 +250,18 @@ fn facets(params: &Params, reader: &mut Reader) -> Result<Facets> {
         false => Ok(usual.clone()),
     };
     let (u, v) = (one("uroughness", reader)?, one("vroughness", reader)?);
-    let (Some(u), Some(v)) = (u.plain(), v.plain()) else {
-        return Err(params.error("a texture of roughness is not read"));
-    };
-    let [u, v] = [u.x, v.x].map(|x| if remaps { x.max(0.0).sqrt() } else { x.max(0.0) });
+    let [u, v] = [u, v].map(|own| match own {
+        Texture::Rgb(x, ..) => x,
+        Texture::Image { tint, .. } => 0.5 * tint.x,
+        Texture::Checker { even, odd, .. } => 0.5 * (even.x + odd.x),
+        _ => 0.5,
+    });
+    if ["roughness", "uroughness", "vroughness"].iter().any(|name| params.is_texture(name)) {
+        reader.lose(params, "", &format!("its texture of roughness counts as {u} here"));
+    }
+    let [u, v] = [u, v].map(|x| if remaps { x.max(0.0).sqrt() } else { x.max(0.0) });
     if u.max(v) > 1.0 {
-        reader.made.lose(&params.at, &params.title, &format!("its alpha {} counts as 1", u.max(v)));
+        reader.lose(params, "", &format!("its alpha {} counts as 1", u.max(v)));
     }
     // pbrt takes less as smooth.
     let is_smooth = u.max(v) < 1e-3;
@@ -276,7 +272,7 @@ fn facets(params: &Params, reader: &mut Reader) -> Result<Facets> {
 }
 
 /// A number that may be a texture.
-pub fn number_or(params: &Params, name: &str, default: f64, reader: &Reader) -> Result<Texture> {
+pub fn number_or(params: &Params, name: &str, default: f64, reader: &mut Reader) -> Result<Texture> {
     match params.texture(name)? {
         Some(texture) => known(params, name, texture, false, reader),
         None => Ok(Texture::grey(params.number_or(name, default)?)),
@@ -284,22 +280,25 @@ pub fn number_or(params: &Params, name: &str, default: f64, reader: &Reader) -> 
 }
 
 /// A colour that may be a texture.
-pub fn texture_or(params: &Params, name: &str, default: f64, reader: &Reader) -> Result<Texture> {
+pub fn texture_or(params: &Params, name: &str, default: f64, reader: &mut Reader) -> Result<Texture> {
     match params.texture(name)? {
         Some(texture) => known(params, name, texture, true, reader),
-        None => {
-            let Colour { x, y, z } = params.colour(name)?.unwrap_or(Colour::splat(default));
-            Ok(Texture::Rgb(x, y, z))
-        }
+        None => Ok(params.colour(name)?.unwrap_or(Colour::splat(default)).into()),
     }
 }
 
-fn known(params: &Params, name: &str, texture: &str, is_colour: bool, reader: &Reader) -> Result<Texture> {
+fn known(params: &Params, name: &str, texture: &str, is_colour: bool, reader: &mut Reader) -> Result<Texture> {
     let kind = if is_colour { "spectrum" } else { "float" };
     let missing = || params.error_at(name, format!("there is no {kind} texture {} above", quote(texture)));
     let (found, mapping) = reader.textures.get(&(is_colour, texture.to_owned())).cloned().ok_or_else(missing)?;
     if found.needs_uv() && !reader.has_mapping(mapping) {
         return Err(params.error_at(name, "expected one mapping of all textures of a surface, found another"));
+    }
+    if let Texture::Image { tint, .. } = &found
+        && tint.max_element() > 1.0
+    {
+        reader.lose(params, name, "its image is not made brighter here");
+        return Ok(found.map(|tint| tint.min(Colour::ONE)));
     }
     Ok(found)
 }
@@ -307,7 +306,7 @@ fn known(params: &Params, name: &str, texture: &str, is_colour: bool, reader: &R
 /// The texture of a directive.
 pub fn texture(kind: &str, is_colour: bool, params: &Params, reader: &mut Reader) -> Result<(Texture, Mapping)> {
     reader.mapping.set(None);
-    let one = |name: &str, default: f64, reader: &Reader| match is_colour {
+    let one = |name: &str, default: f64, reader: &mut Reader| match is_colour {
         true => texture_or(params, name, default, reader),
         false => number_or(params, name, default, reader),
     };
@@ -316,16 +315,7 @@ pub fn texture(kind: &str, is_colour: bool, params: &Params, reader: &mut Reader
         "scale" => {
             let (texture, scale) = (one("tex", 1.0, reader)?, number_or(params, "scale", 1.0, reader)?);
             let scale = scale.plain().ok_or_else(|| params.error_at("scale", "a texture as scale is not read"))?.x;
-            match texture {
-                Texture::Rgb(r, g, b) => Texture::Rgb(scale * r, scale * g, scale * b),
-                Texture::Image { path, tint, channel, uv_set, wrap } => {
-                    Texture::Image { path, tint: scale * tint, channel, uv_set, wrap }
-                }
-                Texture::Checker { scale: size, even, odd, uv } => {
-                    Texture::Checker { scale: size, even: scale * even, odd: scale * odd, uv }
-                }
-                _ => return Err(params.error_at("tex", "this texture cannot be scaled here")),
-            }
+            texture.map(|colour| scale * colour)
         }
         "mix" => {
             let (a, b) = (one("tex1", 0.0, reader)?, one("tex2", 1.0, reader)?);
@@ -333,14 +323,13 @@ pub fn texture(kind: &str, is_colour: bool, params: &Params, reader: &mut Reader
             let [Some(a), Some(b), Some(amount)] = plain else {
                 return Err(params.error("textures in a mix are not read"));
             };
-            let Colour { x, y, z } = a + amount.x * (b - a);
-            Texture::Rgb(x, y, z)
+            (a + amount.x * (b - a)).into()
         }
         "checkerboard" => {
             if params.integer_or("dimension", 2)? != 2 {
                 return Err(params.error_at("dimension", "expected 2: others are not read"));
             }
-            let plain = |name, default| match one(name, default, reader)? {
+            let mut plain = |name, default| match one(name, default, reader)? {
                 Texture::Rgb(r, g, b) => Ok(Colour::new(r, g, b)),
                 _ => Err(params.error_at(name, "a texture in a checkerboard is not read")),
             };
@@ -363,7 +352,7 @@ pub fn texture(kind: &str, is_colour: bool, params: &Params, reader: &mut Reader
                 return Err(params.error_at("encoding", "expected sRGB for colours: others are not read"));
             }
             if encoding == "sRGB" && !is_colour && !is_linear(file) {
-                reader.made.lose(&params.at, &params.title, "its codes count as linear here: write encoding linear");
+                reader.lose(params, "", "its codes count as linear here: write encoding linear");
             }
             Texture::Image {
                 path,

@@ -250,10 +250,13 @@ impl Params {
         }
     }
 
+    pub fn is_texture(&self, name: &str) -> bool {
+        self.all.iter().any(|param| param.name == name && param.kind == "texture")
+    }
+
     /// The name of the texture that a parameter is, if it is one.
     pub fn texture(&self, name: &str) -> Result<Option<&str>> {
-        let is_texture = self.all.iter().any(|param| param.name == name && param.kind == "texture");
-        if is_texture { self.word_of(name, &["texture"]) } else { Ok(None) }
+        if self.is_texture(name) { self.word_of(name, &["texture"]) } else { Ok(None) }
     }
 
     pub fn spectrum(&self, name: &str) -> Result<Option<Spectrum>> {

@@ -8,6 +8,7 @@ use std::rc::Rc;
 use glam::{DAffine3, DVec2, DVec3};
 
 use super::params::{Param, Params};
+use crate::scene::imported::surface::Medium;
 use crate::scene::imported::{Imported, Place};
 use crate::scene::types::*;
 
@@ -70,7 +71,7 @@ pub struct State {
 pub struct Definition {
     pub name: String,
     pub objects: Vec<Object>,
-    /// What they were made of, for instances that are not even.
+    /// The directives of its shapes, for instances that are not even.
     pub shapes: Vec<(String, Params, State)>,
 }
 
@@ -88,22 +89,13 @@ pub struct Reader<'a> {
     pub textures: HashMap<(bool, String), (Texture, Mapping)>,
     /// The mapping of the textures that a surface has so far.
     pub mapping: Cell<Option<Mapping>>,
-    pub media: HashMap<String, Medium>,
+    pub media: HashMap<String, (Medium, Place)>,
     pub definitions: HashMap<String, Rc<Definition>>,
     /// The object that is being defined.
     pub definition: Option<Definition>,
     /// The materials and mappings of shapes, by their look, area light and alpha.
     pub known: HashMap<(usize, Option<usize>, String), On>,
     pub film: Film,
-}
-
-/// A homogeneous medium.
-#[derive(Clone)]
-pub struct Medium {
-    pub extinction: Colour,
-    pub albedo: Colour,
-    pub anisotropy: f64,
-    pub at: Place,
 }
 
 impl<'a> Reader<'a> {
@@ -132,6 +124,11 @@ impl<'a> Reader<'a> {
             known: HashMap::new(),
             film: Film { width: 1280.0, height: 720.0, crop: [0.0, 1280.0, 0.0, 720.0], scale: 1.0 },
         }
+    }
+
+    /// Tells what is not as a parameter says, or the directive if it has none of this name.
+    pub fn lose(&mut self, params: &Params, name: &str, message: &str) {
+        self.made.lose(params.place_of(name), &params.title, message);
     }
 
     /// Refuses the parameters that nobody has asked for.

@@ -8,11 +8,12 @@ use glam::{DAffine3, DVec3, Vec2};
 
 use super::material::{lambertian, number_or};
 use super::params::Params;
-use super::reader::{AS_THEY_ARE, Mapping, Medium, On, Reader, State};
+use super::reader::{AS_THEY_ARE, Mapping, On, Reader, State};
 use crate::error::Result;
 use crate::printable::quote;
 use crate::scene::draft::{Draft, MOST_BYTES};
 use crate::scene::file::OnProgress;
+use crate::scene::imported::surface::Medium;
 use crate::scene::imported::transform::moved;
 use crate::scene::imported::{Place, mesh, surface as surfaces};
 use crate::scene::mesh_files::load_file;
@@ -23,7 +24,7 @@ const KNOWN: &str = "sphere, disk, cylinder, trianglemesh, bilinearmesh, plymesh
 
 pub fn shape(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mut Reader) -> Result<()> {
     if ["curve", "loopsubdiv"].contains(&kind) {
-        reader.made.lose(&params.at, &params.title, "it is left out: this shape is not read");
+        reader.lose(params, "", "it is left out: this shape is not read");
         return Ok(());
     }
     if let Some(definition) = &mut reader.definition {
@@ -44,7 +45,7 @@ pub fn shape(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mu
             Some(reader.media.get(name).cloned().ok_or_else(missing)?)
         }
     };
-    let look = surface(kind, params, inside.as_ref(), reader)?;
+    let look = surface(kind, params, inside.as_ref().map(|(medium, _)| medium), reader)?;
     // A mirror image of a quadric is inside out in pbrt, that of a mesh is not.
     let flips = reader.state.is_reversed != (by.matrix3.determinant() < 0.0);
     let is_seen = look.0.is_some();
@@ -72,9 +73,14 @@ pub fn shape(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mu
     };
     reader.end(params);
     // Glass has the absorption of a medium that scatters nothing.
-    if let Some(medium) = inside.filter(|medium| !(medium.albedo == Colour::ZERO && is_glass(reader))) {
-        let medium = medium.inside(surfaces::without_material(object.clone()))?;
-        reader.add_object(medium, &params.at);
+    if let Some((medium, at)) = inside.filter(|(medium, _)| !(medium.albedo == Colour::ZERO && is_glass(reader))) {
+        if medium.extinction != Colour::splat(medium.extinction.x) {
+            let found = medium.extinction.to_array();
+            let message =
+                format!("expected one number for the extinction of all channels of its medium, found {found:?}");
+            return Err(at.error("MakeNamedMedium", message));
+        }
+        reader.add_object(medium.inside(surfaces::without_material(object.clone())), &params.at);
     }
     if is_seen {
         reader.add_object(object, &params.at);
@@ -127,10 +133,13 @@ fn surface(kind: &str, params: &Params, inside: Option<&Medium>, reader: &mut Re
     if let Some(slot) = found.as_mut().and_then(surfaces::absorption_of) {
         *slot = absorption;
     }
-    if let Some((Colour { x, y, z }, two_sided, place)) = light {
-        let emit = Texture::Rgb(x, y, z);
+    if let Some((radiance, two_sided, place)) = light {
+        let emit = Texture::from(radiance);
         let own = found.get_or_insert_with(|| lambertian(Texture::grey(0.0)));
-        if surfaces::is_black(own) {
+        if alpha == Texture::grey(0.0) {
+            reader.made.lose(&place, "AreaLightSource", "a lamp that nobody sees is left out");
+        }
+        if surfaces::is_black(own) && alpha == Texture::grey(1.0) {
             *own = Material::DiffuseLight(DiffuseLight { emit, two_sided });
         } else {
             let wrong = || place.error("AreaLightSource", "only diffuse and coateddiffuse shapes can emit here");
@@ -152,7 +161,7 @@ fn is_glass(reader: &Reader) -> bool {
     matches!(material, Some(Material::Dielectric(_) | Material::RoughDielectric(_)))
 }
 
-/// What the power of a shape's light is of its radiance: π times the area that pbrt counts, which is that before the transform.
+/// The power of a shape with a radiance of 1: π times the area that pbrt counts, before the transform.
 fn size(kind: &str, params: &Params) -> Result<f64> {
     let ((radius, turn), number) = (round(params)?, |name, usual| params.number_or(name, usual));
     let area = match kind {
@@ -212,7 +221,7 @@ fn disk(params: &Params, by: &DAffine3, flips: bool, look: On, reader: &mut Read
 fn made(params: &Params, mut mesh: Mesh, by: &DAffine3, flips: bool, look: On, reader: &mut Reader) -> Object {
     if ["sphere", "cylinder", "disk"].iter().any(|kind| params.title.ends_with(kind)) {
         let message = format!("it becomes a mesh with {} edges around", mesh::AROUND);
-        reader.made.lose(&params.at, &params.title, &message);
+        reader.lose(params, "", &message);
     }
     placed(&mut mesh, by, flips, look.1);
     reader.made.add_mesh(mesh, look.0, &params.at)
