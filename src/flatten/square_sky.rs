@@ -32,7 +32,7 @@ pub fn to_latitude_longitude(square: &Bitmap) -> Bitmap {
     let width = (4 * side).clamp(FEWEST_COLUMNS, MOST_COLUMNS);
     let height = width / 2;
     // As many samples as find each texel of the square.
-    let times = (8 * side).div_ceil(width).max(2);
+    let times = (4 * side).div_ceil(width).max(2);
     let place = |index: usize, step: usize, of: usize| (index as f64 + (step as f64 + 0.5) / times as f64) / of as f64;
     let rows = each(cores(), 0..height, |row| {
         let radiance = |column: usize, step: usize| {

@@ -198,9 +198,12 @@ fn alpha_is_read_where_its_mode_says_so() {
     assert_eq!(wood(json!({"alphaMode": "BLEND"})), textured(alpha));
     assert_eq!(wood(json!({})), textured(""));
     // What emits and has an alpha is no DiffuseLight.
-    let lamp = of(json!({"alphaMode": "BLEND", "emissiveFactor": [1, 0.5, 0],
-        "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 0.5]}}));
-    assert_eq!(lamp, written("Lambertian(albedo: Rgb(0, 0, 0), emission: Rgb(1, 0.5, 0), alpha: 0.5)"));
+    for (two_sided, more) in [(false, ", one_sided_emission: true"), (true, "")] {
+        let lamp = of(json!({"alphaMode": "BLEND", "emissiveFactor": [1, 0.5, 0], "doubleSided": two_sided,
+            "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 0.5]}}));
+        let expected = format!("Lambertian(albedo: Rgb(0, 0, 0), emission: Rgb(1, 0.5, 0), alpha: 0.5{more})");
+        assert_eq!(lamp, written(&expected));
+    }
 }
 
 /// COLOR_0 multiplies the colours of materials whose primitives have it. The normals (0, 0, 1) are taken for colours.
