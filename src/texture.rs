@@ -68,8 +68,9 @@ declare! {
             /// What its colours are multiplied by.
             #[serde(default = "white")]
             tint: Colour = COLOUR.or("(1, 1, 1)");
-            /// Of a number, such as a roughness: its channel. Its codes are linear, and the red of `tint` is its factor.
-            @default channel: Option<Channel> = other("R, G, B or A").or("for a number R");
+            /// Of a number, such as a roughness: its channel. Its codes are linear, and the red of `tint` is its factor. Of a colour: Rgb if its
+            /// codes are linear.
+            @default channel: Option<Channel> = other("R, G, B, A or Rgb").or("for a number R");
             /// On a mesh: its set of texture coordinates. A part of a glTF file has one for each pair of TEXCOORD and KHR_texture_transform
             /// among its material's textures; other meshes have one.
             #[serde(default, skip_serializing_if = "is_first")]
@@ -261,9 +262,13 @@ impl Texture {
                 usage.check(&at.field("even"), *even)?;
                 usage.check(&at.field("odd"), *odd)
             }
-            Texture::Image { channel: Some(_), .. } if usage != Use::Share => Err(at
-                .field(image::FIELDS.channel.name)
-                .error("a colour has all channels: remove the channel, which is for numbers such as a roughness")),
+            Texture::Image { channel: Some(Channel::R | Channel::G | Channel::B | Channel::A), .. }
+                if usage != Use::Share =>
+            {
+                Err(at
+                    .field(image::FIELDS.channel.name)
+                    .error("a colour has all channels: expected none, or Rgb if its codes are linear"))
+            }
             Texture::Image { tint, .. } => usage.check(&at.field(image::FIELDS.tint.name), *tint),
             Texture::Noise { scale } | Texture::Marble { scale } => noise::FIELDS.scale.check(&at, *scale),
         }
@@ -293,11 +298,6 @@ impl Texture {
     /// How it goes on outside of 0 to 1.
     pub fn wrap(&self) -> Wrap {
         if let Texture::Image { wrap, .. } = self { *wrap } else { Wrap::Repeat }
-    }
-
-    /// Whether it is a normal map.
-    pub fn is_normal_map(&self) -> bool {
-        matches!(self, Texture::Image { channel: Some(Channel::Rgb), .. })
     }
 
     /// The path of its image, and how it is decoded.

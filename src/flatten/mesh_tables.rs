@@ -16,7 +16,7 @@ impl Table {
 
     /// The table that a texture has on a mesh. A normal map or a direction on a smooth mesh needs tangents.
     pub fn for_texture(slot: &Slot<'_>, mesh: &Mesh) -> Table {
-        let is_turned = slot.texture.is_normal_map() || slot.usage == Use::Direction;
+        let is_turned = matches!(slot.usage, Use::Normal | Use::Direction);
         let has_tangents = is_turned && !mesh.normals.is_empty() && !mesh.uvs.is_empty();
         Table { uv_set: slot.texture.uv_set(), has_tangents }
     }

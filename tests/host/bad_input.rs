@@ -178,7 +178,7 @@ fn all_bad() -> Vec<Bad> {
         bad(material("Pbr(roughness: §Picture(path: \"a.png\"))"), "materials[\"it\"].Pbr.roughness", &["or a texture", "found Picture"]),
         bad(material("Pbr(roughness: Image(path: \"a.png\", tint: (§2, 1, 1)))"), "materials[\"it\"].Pbr.roughness.Image.tint[0]", &["from 0 to 1"]),
         bad(material("Pbr(roughness: Checker(scale: 1, even: (§-1, 0, 0), odd: (1, 1, 1)))"), "materials[\"it\"].Pbr.roughness.Checker.even[0]", &["from 0 to 1"]),
-        bad(material("Pbr(base_color: Image(path: \"a.png\", channel: §G))"), "materials[\"it\"].Pbr.base_color.Image.channel", &["remove the channel"]),
+        bad(material("Pbr(base_color: Image(path: \"a.png\", channel: §G))"), "materials[\"it\"].Pbr.base_color.Image.channel", &["expected none, or Rgb if its codes are linear"]),
         bad(material("Pbr(transmission: §-0.5)"), "materials[\"it\"].Pbr.transmission", &["transmission", "from 0 to 1"]),
         bad(material("§Pbr(transmission: 0.5, absorption: (1, 0, 0))"), "materials[\"it\"].Pbr", &["`solid: true`", "absorption"]),
         bad(material("Pbr(specular: §2)"), "materials[\"it\"].Pbr.specular", &["specular", "from 0 to 1"]),

@@ -7,10 +7,12 @@ use std::path::Path;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use glam::DVec3;
+use gpu_rt::bitmap::Channel;
 use gpu_rt::data::luminance;
 use gpu_rt::error::Error;
 use gpu_rt::scene::{
-    Assets, Background, Colour, GltfOptions, Material, Object, Projection, Scene, SkyLayout, Transform,
+    Assets, Background, Colour, GltfOptions, Lambertian, Material, Object, Projection, Scene, SkyLayout, Texture,
+    Transform,
 };
 use tempfile::TempDir;
 
@@ -295,7 +297,9 @@ fn skies_and_spectra_are_read_from_files() {
     let mut sky = std::io::Cursor::new(Vec::new());
     let texels = image::RgbImage::from_fn(8, 8, |x, _| image::Rgb([if x < 4 { 255 } else { 0 }; 3]));
     texels.write_to(&mut sky, image::ImageFormat::Png).unwrap();
-    let directives = r#"AttributeBegin Rotate 90 1 0 0 Translate 1 2 3 LightSource "infinite" "string filename" "sky.png" "float scale" 2 AttributeEnd
+    let directives = r#"Texture "t" "spectrum" "imagemap" "string filename" "sky.png" "string encoding" "linear" "float scale" 0.5
+        AttributeBegin Material "diffuse" "texture reflectance" "t" Shape "sphere" AttributeEnd
+        AttributeBegin Rotate 90 1 0 0 Translate 1 2 3 LightSource "infinite" "string filename" "sky.png" "float scale" 2 AttributeEnd
         LightSource "point" "spectrum I" "grey.spd" "float scale" 3
         Material "diffuse" "spectrum reflectance" "grey.spd" Shape "disk""#;
     let spectrum = b"# nm\n300 0.5\n  900\t0.5 # end\n";
@@ -309,10 +313,15 @@ fn skies_and_spectra_are_read_from_files() {
     );
     assert_eq!(scene.bitmaps.colours("sky.png").expect("it is loaded").width, 8);
     assert!(scene.warnings().is_empty(), "{:?}", scene.warnings());
-    let Object::PointLight { intensity, .. } = &scene.objects[0] else { panic!("{:?}", scene.objects) };
+    let Object::PointLight { intensity, .. } = &scene.objects[1] else { panic!("{:?}", scene.objects) };
     // An even spectrum is a little red beside D65, with the luminance that the scale says.
     assert!((luminance(intensity.to_array()) - 3.0).abs() < 1e-9 && intensity.x > intensity.z, "{intensity}");
-    let Material::Lambertian(matt) = &scene.materials[0].1 else { panic!("{:?}", scene.materials) };
+    let Material::Lambertian(Lambertian { albedo: Texture::Image { channel, tint, .. }, .. }) = &scene.materials[0].1
+    else {
+        panic!("{:?}", scene.materials)
+    };
+    assert_eq!((*channel, *tint), (Some(Channel::Rgb), Colour::splat(0.5)));
+    let Material::Lambertian(matt) = &scene.materials[1].1 else { panic!("{:?}", scene.materials) };
     let albedo = matt.albedo.plain().expect("it is plain");
     assert!((albedo - Colour::splat(0.5)).abs().max_element() < 2e-3, "{albedo}");
 }

@@ -140,7 +140,7 @@ fn sample(takes: &Takes) -> &'static str {
         Takes::Point | Takes::Vector | Takes::Colour(_) => "(7, 8, 9)",
         Takes::Texture(_) => "Rgb(7, 8, 9)",
         Takes::Other("true or false") => "true",
-        Takes::Other("R, G, B or A") => "G",
+        Takes::Other("R, G, B, A or Rgb") => "G",
         Takes::Other("Auto or Pane") => "Pane",
         Takes::Other("Ggx or Beckmann") => "Beckmann",
         Takes::Other("Repeat, Clamp or Mirror") => "Mirror",

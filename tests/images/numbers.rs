@@ -35,6 +35,27 @@ fn write_image(folder: &Path, name: &str, codes: [[u8; 4]; 4]) {
     image.save(folder.join(name)).expect("it is written");
 }
 
+/// The codes of a colour are sRGB, or linear where its channel is Rgb.
+#[test]
+fn codes_of_a_colour_may_be_linear() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    let code = [10, 128, 70, 255];
+    write_image(path, "code.png", [code; 4]);
+    let shot = |albedo: &str| {
+        let matt = square(&format!("Lambertian(albedo: {albedo})"));
+        bits(&render(&scene_in(path, &matt), &Request::spp(16)), 0..32)
+    };
+    let linear = shot("Image(path: \"code.png\", channel: Rgb)");
+    let [r, g, b] = [10, 128, 70].map(number);
+    // The bits of a positive float follow its size. A lookup rounds twice more.
+    let off = |other: Vec<[u32; 3]>| {
+        linear.iter().flatten().zip(other.iter().flatten()).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or_default()
+    };
+    assert!(off(shot(&format!("Rgb({r:?}, {g:?}, {b:?})"))) <= 2);
+    assert!(off(shot("Image(path: \"code.png\")")) > 1_000_000);
+}
+
 #[test]
 fn where_a_texture_is_constant_the_image_is_that_of_the_plain_number() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -8,6 +8,7 @@ use super::document::{DEEPEST, Node};
 use super::properties::{Properties, unknown};
 use super::reader::Reader;
 use super::values::colour;
+use crate::bitmap::Channel;
 use crate::error::Result;
 use crate::material::LobeWidth;
 use crate::printable::{counted, quote};
@@ -375,12 +376,7 @@ fn texture<'a>(node: &'a Node, is_number: bool, reader: &mut Reader<'a, '_>) -> 
     own.ignore(&["accel", "format"]);
     let path = reader.path(path, node);
     let is_raw = own.flag_or("raw", is_linear(&path))?;
-    if is_raw && !is_linear(&path) && !is_number {
-        return Err(own
-            .find("raw")
-            .unwrap_or(node)
-            .error("expected false for a colour: its codes are read as sRGB here"));
-    }
+    let channel = (is_raw && !is_linear(&path) && !is_number).then_some(Channel::Rgb);
     if own.word("filter_type")?.is_some_and(|filter| filter == "nearest") {
         reader.lose(node, "its texels are blended here, not the nearest taken");
     }
@@ -391,5 +387,5 @@ fn texture<'a>(node: &'a Node, is_number: bool, reader: &mut Reader<'a, '_>) -> 
         _ => return Err(node.error("expected a wrap_mode of repeat, mirror or clamp")),
     };
     own.end(reader);
-    Ok(Texture::Image { path, tint: Colour::ONE, channel: None, uv_set: 0, wrap })
+    Ok(Texture::Image { path, tint: Colour::ONE, channel, uv_set: 0, wrap })
 }

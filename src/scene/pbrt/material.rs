@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use super::params::{Params, Spectrum};
 use super::reader::{AS_THEY_ARE, Mapping, Reader};
+use crate::bitmap::Channel;
 use crate::error::Result;
 use crate::printable::quote;
 use crate::scene::imported::surface::Facets;
@@ -347,20 +348,17 @@ pub fn texture(kind: &str, is_colour: bool, params: &Params, reader: &mut Reader
             if params.flag_or("invert", false)? {
                 return Err(params.error_at("invert", "expected false: inverted images are not read"));
             }
-            let encoding = params.word("encoding")?.unwrap_or("sRGB");
-            if encoding != "sRGB" && (encoding != "linear" || is_colour) {
-                return Err(params.error_at("encoding", "expected sRGB for colours: others are not read"));
-            }
-            if encoding == "sRGB" && !is_colour && !is_linear(file) {
+            let is_coded = match params.word("encoding")?.unwrap_or("sRGB") {
+                "sRGB" => !is_linear(file),
+                "linear" => false,
+                _ => return Err(params.error_at("encoding", "expected sRGB or linear: others are not read")),
+            };
+            if is_coded && !is_colour {
                 reader.lose(params, "", "its codes count as linear here: write encoding linear");
             }
-            Texture::Image {
-                path,
-                tint: Colour::splat(params.number_or("scale", 1.0)?),
-                channel: None,
-                uv_set: 0,
-                wrap,
-            }
+            let channel = (is_colour && !is_coded).then_some(Channel::Rgb);
+            let tint = Colour::splat(params.number_or("scale", 1.0)?);
+            Texture::Image { path, tint, channel, uv_set: 0, wrap }
         }
         _ => {
             let message = "this texture is not read: expected constant, scale, mix, checkerboard or imagemap";
