@@ -371,7 +371,7 @@ impl Run<'_> {
                 reader.state.is_at_end = which == "EndTime";
                 reader.made.lose(at, word, "what moves is at rest, where it is when the shutter opens");
             }
-            _ => return Err(Notation::at(&at, word, "this directive is not read").into()),
+            _ => return Err(Notation::at(at, word, "this directive is not read").into()),
         }
         Ok(())
     }
