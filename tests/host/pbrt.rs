@@ -276,6 +276,11 @@ fn views_and_files_are_those_of_pbrt() {
     assert_eq!((part.image.width, part.image.height), (10, 20));
     let text = format!("{:?}", part.camera.projection);
     assert!(text.contains("fx: 10.0") && text.contains("cx: 10.0"), "{text}");
+    // In a mirrored view it is the same part of the film, whose axis is as far from the other edge.
+    let part =
+        VIEW.replacen("Scale -1 1 1", "", 1).replace("Film \"rgb\"", "Film \"rgb\" \"float cropwindow\" [0 0.25 0 1]");
+    let text = format!("{:?}", read(&part).expect("it is valid").camera.projection);
+    assert!(text.contains("cx: -10.0"), "{text}");
 
     let mut packed = GzEncoder::new(Vec::new(), Compression::default());
     packed.write_all(b"Shape \"sphere\"").unwrap();
@@ -350,6 +355,23 @@ fn instances_may_be_uneven() {
     assert!(
         (bounds.min - DVec3::new(1.0, -2.0, 2.0)).length() < 2e-3
             && (bounds.max - DVec3::new(3.0, 2.0, 8.0)).length() < 2e-3
+    );
+}
+
+/// A mirror image of a sphere is inside out, but not that of an instance, nor its mirror image in that.
+#[test]
+fn mirrored_instances_have_the_fronts_of_their_shapes() {
+    let outward = |own: &str, of_instance: &str| {
+        let object = format!("ObjectBegin \"o\" {own} Shape \"sphere\" \"float phimax\" 300 ObjectEnd");
+        let text = format!("{VIEW}{object} {of_instance} ObjectInstance \"o\"");
+        let scene = read(&text).unwrap_or_else(|error| panic!("{error}"));
+        let mesh = scene.meshes.values().next_back().expect("it is a mesh");
+        mesh.normals[300].as_dvec3().dot(mesh.positions[300]) > 0.0
+    };
+    assert!(outward("", "Scale 1 2 1") && outward("", "Scale 1 1 -1"));
+    assert!(!outward("Scale 1 1 -1", "Scale 1 2 1") && !outward("Scale 1 1 -1", "Scale 1 1 -2"));
+    assert!(
+        outward("ReverseOrientation Scale 1 1 -1", "Scale 1 1 -1") && !outward("ReverseOrientation", "Scale 1 1 -1")
     );
 }
 

@@ -97,6 +97,8 @@ pub fn camera(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
             } else {
                 let (fx, fy) = (width / (half * (x1 - x0)), height / (half * (y1 - y0)));
                 let (cx, cy) = (-x0 / (x1 - x0) * width - left, y1 / (y1 - y0) * height - top);
+                // A mirror image has its left at the right.
+                let cx = if camera.mirror { right - left - cx } else { cx };
                 camera.projection = Some(Projection::Calibrated { fx, fy, cx, cy, distortion: None });
             }
         }

@@ -58,6 +58,8 @@ pub struct State {
     /// The index of the area light.
     pub area: Option<usize>,
     pub is_reversed: bool,
+    /// Whether an instance mirrors the shape.
+    pub is_in_mirror: bool,
     /// Whether transforms are of the end of motion alone, which is not read.
     pub is_at_end: bool,
     /// The name of the medium inside of shapes.

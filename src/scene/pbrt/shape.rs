@@ -46,8 +46,9 @@ pub fn shape(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mu
         }
     };
     let look = surface(kind, params, inside.as_ref().map(|(medium, _)| medium), reader)?;
-    // A mirror image of a quadric is inside out in pbrt, that of a mesh is not.
-    let flips = reader.state.is_reversed != (by.matrix3.determinant() < 0.0);
+    // A mirror image of a quadric is inside out in pbrt, that of a mesh or an instance is not.
+    let mirrors = (by.matrix3.determinant() < 0.0) != reader.state.is_in_mirror;
+    let flips = reader.state.is_reversed != mirrors;
     let is_seen = look.0.is_some();
     let object = match kind {
         "sphere" => sphere(params, &by, flips, look, reader)?,
@@ -104,7 +105,8 @@ pub fn instance(name: &str, at: &Place, progress: &mut OnProgress, reader: &mut 
     }
     // The transform of each shape takes up what an instance cannot have.
     for (kind, params, state) in &definition.shapes {
-        let placed = State { ctm: by * state.ctm, ..state.clone() };
+        let is_in_mirror = by.matrix3.determinant() < 0.0;
+        let placed = State { ctm: by * state.ctm, is_in_mirror, ..state.clone() };
         let before = std::mem::replace(&mut reader.state, placed);
         let done = shape(kind, params, progress, reader);
         reader.state = before;
