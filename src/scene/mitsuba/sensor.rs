@@ -88,6 +88,8 @@ pub fn sensor<'a>(node: &'a Node, reader: &mut Reader<'a, '_>) -> Result<(Camera
             true => {
                 let (fx, fy) = (0.5 * film.width / wide, 0.5 * film.height / high);
                 let (cx, cy) = (0.5 * film.width - film.crop[0], 0.5 * film.height - film.crop[1]);
+                // A mirror image has its left at the right.
+                let cx = if camera.mirror { film.crop[2] - cx } else { cx };
                 camera.projection = Some(Projection::Calibrated { fx, fy, cx, cy, distortion: None });
             }
         }
