@@ -105,7 +105,7 @@ pub fn camera(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
         "orthographic" => {
             if !is_plain {
                 return Err(
-                    params.error("expected the usual screenwindow and no crop: others of parallel rays are not read")
+                    params.error("expected the usual screenwindow and no crop: parallel rays have no others here")
                 );
             }
             camera.projection = Some(Projection::Orthographic { height: 2.0 * y1 * longest });

@@ -23,9 +23,8 @@ fn emitted(params: &Params, name: &str, total: (&str, f64), reader: &Reader) -> 
         // The standard is a black body of this temperature.
         Some(Spectrum::Named(name)) if name == "stdillum-A" => unit(spectrum::of_black_body(2855.5)),
         Some(Spectrum::Named(other)) => {
-            return Err(
-                params.error_at(name, format!("the spectrum {} is not read: give rgb or blackbody", quote(&other)))
-            );
+            let message = format!("the spectrum {} is not read: give rgb or blackbody", quote(&other));
+            return Err(params.error_at(name, message));
         }
     };
     let scale = params.number_or("scale", 1.0)? * reader.film.scale;

@@ -31,7 +31,7 @@ const GLASSES: [(&str, f64); 7] = [
 /// The material of a directive; nothing for an interface.
 pub fn material(kind: &str, params: &Params, reader: &mut Reader) -> Result<Option<Material>> {
     params.ignore(&["type"]);
-    reader.mapping.set(None);
+    reader.mapping = None;
     for name in ["displacement", "normalmap"] {
         if params.has(name) {
             params.ignore(&[name]);
@@ -136,9 +136,7 @@ fn translucent(params: &Params, reader: &mut Reader) -> Result<Material> {
     let (of_reflected, of_passed) = (reflected.max_element(), passed.max_element());
     let sum = of_reflected + of_passed;
     if sum > 1.0 {
-        return Err(
-            params.error(format!("expected a reflectance and a transmittance of 1 at most together, found {sum}"))
-        );
+        return Err(params.error(format!("expected a reflectance and transmittance of 1 at most, found {sum}")));
     }
     // The share that passes of all that the body scatters.
     let through = if sum > 0.0 { of_passed / sum } else { 0.0 };
@@ -207,8 +205,8 @@ fn mix(params: &Params, reader: &mut Reader) -> Result<Material> {
         let wrong = |message: &str| params.error_at("materials", format!("{}: {message}", quote(name)));
         let look = reader.named_looks.get(name).and_then(|look| reader.looks.get(*look));
         let look = look.ok_or_else(|| wrong("there is no material of this name above"))?;
-        let (found, at) = (look.material.clone(), look.at.clone());
-        if look.mapping.is_some_and(|mapping| !reader.has_mapping(mapping)) {
+        let (found, at, mapping) = (look.material.clone(), look.at.clone(), look.mapping);
+        if mapping.is_some_and(|mapping| !reader.has_mapping(mapping)) {
             return Err(wrong("expected one mapping of all textures of a surface, found another"));
         }
         let found = found.ok_or_else(|| wrong("an interface cannot be mixed"))?;
@@ -266,8 +264,8 @@ fn facets(params: &Params, reader: &mut Reader) -> Result<Facets> {
     }
     // pbrt takes less as smooth.
     let is_smooth = u.max(v) < 1e-3;
-    if u != v && !is_smooth && reader.mapping.get().is_none() {
-        reader.mapping.set(Some(AS_THEY_ARE));
+    if u != v && !is_smooth {
+        reader.mapping.get_or_insert(AS_THEY_ARE);
     }
     Ok(if is_smooth { Facets::of(0.0, 0.0, Distribution::Ggx) } else { Facets::of(u, v, Distribution::Ggx) })
 }
@@ -306,7 +304,7 @@ fn known(params: &Params, name: &str, texture: &str, is_colour: bool, reader: &m
 
 /// The texture of a directive.
 pub fn texture(kind: &str, is_colour: bool, params: &Params, reader: &mut Reader) -> Result<(Texture, Mapping)> {
-    reader.mapping.set(None);
+    reader.mapping = None;
     let one = |name: &str, default: f64, reader: &mut Reader| match is_colour {
         true => texture_or(params, name, default, reader),
         false => number_or(params, name, default, reader),

@@ -1,6 +1,5 @@
 //! The state of a run through the directives: what they have made so far, and what was said about them.
 
-use std::cell::Cell;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -90,7 +89,7 @@ pub struct Reader<'a> {
     /// The textures of numbers and of colours, by whether they are colours and their names.
     pub textures: HashMap<(bool, String), (Texture, Mapping)>,
     /// The mapping of the textures that a surface has so far.
-    pub mapping: Cell<Option<Mapping>>,
+    pub mapping: Option<Mapping>,
     pub media: HashMap<String, (Medium, Place)>,
     pub definitions: HashMap<String, Rc<Definition>>,
     /// The object that is being defined.
@@ -119,7 +118,7 @@ impl<'a> Reader<'a> {
             named_looks: HashMap::new(),
             areas: Vec::new(),
             textures: HashMap::new(),
-            mapping: Cell::new(None),
+            mapping: None,
             media: HashMap::new(),
             definitions: HashMap::new(),
             definition: None,
@@ -160,7 +159,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Notes the mapping of a texture. The result says whether it is that of the other textures of the surface.
-    pub fn has_mapping(&self, mapping: Mapping) -> bool {
-        self.mapping.replace(Some(mapping)).is_none_or(|other| other == mapping)
+    pub fn has_mapping(&mut self, mapping: Mapping) -> bool {
+        self.mapping.replace(mapping).is_none_or(|other| other == mapping)
     }
 }

@@ -120,7 +120,7 @@ pub fn instance(name: &str, at: &Place, progress: &mut OnProgress, reader: &mut 
 
 /// The name of the material of a shape, which may emit and have an alpha, or nothing for an interface; and the mapping of its textures.
 fn surface(kind: &str, params: &Params, inside: Option<&Medium>, reader: &mut Reader) -> Result<On> {
-    reader.mapping.set(reader.looks[reader.state.look].mapping);
+    reader.mapping = reader.looks[reader.state.look].mapping;
     let alpha = number_or(params, "alpha", 1.0, reader)?;
     let absorption = inside.filter(|medium| medium.albedo == Colour::ZERO).map(|medium| medium.extinction);
     let area = reader.state.area.and_then(|area| reader.areas.get(area));
@@ -259,9 +259,8 @@ fn faces<const K: usize>(params: &Params, usual: [Vec2; K], split: &[[usize; 3]]
     let mut uvs: Vec<Vec2> = params.points2(name)?.into_iter().map(|uv| uv.as_vec2()).collect();
     for (name, count) in [("N", normals.len()), (name, uvs.len())] {
         if count != 0 && count != positions.len() {
-            return Err(
-                params.error_at(name, format!("expected one for each of {} points, found {count}", positions.len()))
-            );
+            let message = format!("expected one for each of {} points, found {count}", positions.len());
+            return Err(params.error_at(name, message));
         }
     }
     if faces.is_empty() {
