@@ -139,6 +139,11 @@ fn old_names_and_views_are_read() {
     // 40 pixels show 90 degrees: the focal length is 20 pixels. The axis is at 10 of 20 pixels, 7 of those that are left; 3 from the other side.
     let shown = format!("{:?}", camera.projection);
     assert!(shown.contains("cx: 3.0, cy: 20.0"), "{shown}");
+    // Another principal point moves the axis by a share of the film: to 8 of 20 pixels, 5 of those that are left.
+    let moved = text.replacen("<film", "<float name=\"principal_point_offset_x\" value=\"0.1\"/><film", 1);
+    let moved = read(&moved, &GltfOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    let found = format!("{:?}", moved.camera.projection);
+    assert!(found.contains("cx: 5.0, cy: 20.0"), "{found}");
     assert!(
         shown.contains("fx: 20.00000000000") || shown.contains("fx: 19.99999999999") || shown.contains("fx: 20.0,")
     );

@@ -64,11 +64,8 @@ pub fn sensor<'a>(node: &'a Node, reader: &mut Reader<'a, '_>) -> Result<(Camera
     let mut camera = Camera::pinhole(from, from + z / lengths[2], y / lengths[1], 45.0);
     camera.mirror = to_world.matrix3.determinant() < 0.0;
     camera.vertical_fov = None;
-    for offset in ["principal_point_offset_x", "principal_point_offset_y"] {
-        if own.number_or(offset, 0.0)? != 0.0 {
-            return Err(node.error(format!("expected {offset} of 0: others are not read")));
-        }
-    }
+    // Shares of the film by which the axis is further to the left and further up.
+    let shift = [own.number_or("principal_point_offset_x", 0.0)?, own.number_or("principal_point_offset_y", 0.0)?];
     for name in ["shutter_open", "shutter_close"] {
         own.number(name)?;
     }
@@ -83,13 +80,14 @@ pub fn sensor<'a>(node: &'a Node, reader: &mut Reader<'a, '_>) -> Result<(Camera
     } else {
         let wide = half_width(&own, &film)?;
         let high = wide * film.height / film.width;
-        match film.is_cropped() {
+        match film.is_cropped() || shift != [0.0; 2] {
             false => camera.vertical_fov = Some(2.0 * high.atan().to_degrees()),
             true => {
                 let (fx, fy) = (0.5 * film.width / wide, 0.5 * film.height / high);
-                let (cx, cy) = (0.5 * film.width - film.crop[0], 0.5 * film.height - film.crop[1]);
+                let [left, top, width, _] = film.crop;
+                let (cx, cy) = ((0.5 - shift[0]) * film.width - left, (0.5 - shift[1]) * film.height - top);
                 // A mirror image has its left at the right.
-                let cx = if camera.mirror { film.crop[2] - cx } else { cx };
+                let cx = if camera.mirror { width - cx } else { cx };
                 camera.projection = Some(Projection::Calibrated { fx, fy, cx, cy, distortion: None });
             }
         }
