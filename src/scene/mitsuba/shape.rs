@@ -208,8 +208,7 @@ fn sphere(node: &Node, by: &DAffine3, flips: bool, surface: &Surface, reader: &m
     if let Some(sphere) = surface::sphere(by, &surface.material, textures).filter(|_| !is_flipped) {
         return sphere;
     }
-    let is_uneven = surface::sphere(by, &None, None).is_none();
-    if is_uneven {
+    if surface::sphere(by, &None, None).is_none() {
         reader.lose(node, "it becomes an uneven mesh: Mitsuba shows a round sphere");
     }
     made(node, mesh::sphere(0.0, 1.0, 1.0), by, is_flipped, surface, reader)

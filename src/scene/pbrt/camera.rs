@@ -114,7 +114,7 @@ pub fn camera(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
             if params.word("mapping")? != Some("equirectangular") || !is_whole {
                 return Err(params.error_at("mapping", "expected equirectangular, and no crop: others are not read"));
             }
-            // Its image begins at the right of the view, and turns over the front: what is at the left is in the middle.
+            // Its image shows the right, the front, the left and the back: the left is in the middle.
             camera.look_at = from - plain(x / longest);
             camera.mirror = !camera.mirror;
             camera.projection =

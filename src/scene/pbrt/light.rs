@@ -13,8 +13,8 @@ use crate::scene::imported::surface::Medium;
 use crate::scene::imported::transform::turns;
 use crate::scene::types::{Background, Colour, Falloff, Object, SkyLayout};
 
-/// The light of a parameter, times its `scale` and that of the film. Without it, that of the colour space's white. `total`: the parameter that
-/// may give the light of all directions or of a plane, and what that is of a light of 1, if it is known.
+/// The light of a parameter, or white without it, times its `scale` and that of the film. `total`: the name of the power or of the illuminance,
+/// which may be given too, and its value for a light of 1; 0 if that is not known.
 fn emitted(params: &Params, name: &str, total: (&str, f64), reader: &Reader) -> Result<Colour> {
     let colour = match params.spectrum(name)? {
         None => Colour::ONE,

@@ -54,7 +54,7 @@ pub fn shape(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mu
         "sphere" => sphere(params, &by, flips, look, reader)?,
         "disk" => disk(params, &by, flips, look, reader)?,
         "cylinder" => {
-            let (radius, turn) = round(params)?;
+            let (radius, turn) = radius_and_turn(params)?;
             let (low, high) = (params.number_or("zmin", -1.0)?, params.number_or("zmax", 1.0)?);
             let scale = DAffine3::from_scale(DVec3::new(radius, radius, high - low));
             let placed = by * DAffine3::from_translation(DVec3::new(0.0, 0.0, low)) * scale;
@@ -98,14 +98,13 @@ pub fn instance(name: &str, at: &Place, progress: &mut OnProgress, reader: &mut 
     let missing = || at.error(what, format!("there is no object {}", quote(name)));
     let definition = Rc::clone(reader.definitions.get(name).ok_or_else(missing)?);
     let by = reader.state.ctm;
-    if moved(&by, Object::Group(Vec::new())).is_some() {
-        let group = moved(&by, Object::Group(definition.objects.clone()));
-        group.into_iter().for_each(|group| reader.add_object(group, at));
+    if let Some(group) = moved(&by, Object::Group(definition.objects.clone())) {
+        reader.add_object(group, at);
         return Ok(());
     }
-    // The transform of each shape takes up what an instance cannot have.
+    // Each shape is made again, with the transform of the instance in its own.
+    let is_in_mirror = by.matrix3.determinant() < 0.0;
     for (kind, params, state) in &definition.shapes {
-        let is_in_mirror = by.matrix3.determinant() < 0.0;
         let placed = State { ctm: by * state.ctm, is_in_mirror, ..state.clone() };
         let before = std::mem::replace(&mut reader.state, placed);
         let done = shape(kind, params, progress, reader);
@@ -124,14 +123,14 @@ fn surface(kind: &str, params: &Params, inside: Option<&Medium>, reader: &mut Re
     let alpha = number_or(params, "alpha", 1.0, reader)?;
     let absorption = inside.filter(|medium| medium.albedo == Colour::ZERO).map(|medium| medium.extinction);
     let area = reader.state.area.and_then(|area| reader.areas.get(area));
-    let size = if area.is_some_and(|area| area.is_power) { size(kind, params)? } else { 1.0 };
-    let key = (reader.state.look, reader.state.area, format!("{alpha:?} {absorption:?} {size}"));
+    let power = if area.is_some_and(|area| area.is_power) { unit_power(kind, params)? } else { 1.0 };
+    let key = (reader.state.look, reader.state.area, format!("{alpha:?} {absorption:?} {power}"));
     if let Some(known) = reader.known.get(&key) {
         return Ok(known.clone());
     }
     let look = &reader.looks[key.0];
     let (mut found, name, at) = (look.material.clone(), look.name.clone(), look.at.clone());
-    let light = area.map(|area| (area.radiance / size, area.is_two_sided, area.at.clone()));
+    let light = area.map(|area| (area.radiance / power, area.is_two_sided, area.at.clone()));
     if let Some(slot) = found.as_mut().and_then(surfaces::absorption_of) {
         *slot = absorption;
     }
@@ -164,8 +163,8 @@ fn is_glass(reader: &Reader) -> bool {
 }
 
 /// The power of a shape with a radiance of 1: π times the area that pbrt counts, before the transform.
-fn size(kind: &str, params: &Params) -> Result<f64> {
-    let ((radius, turn), number) = (round(params)?, |name, usual| params.number_or(name, usual));
+fn unit_power(kind: &str, params: &Params) -> Result<f64> {
+    let ((radius, turn), number) = (radius_and_turn(params)?, |name, usual| params.number_or(name, usual));
     let area = match kind {
         "disk" => PI * turn * (radius * radius - number("innerradius", 0.0)?.powi(2)),
         "sphere" => {
@@ -178,7 +177,7 @@ fn size(kind: &str, params: &Params) -> Result<f64> {
 }
 
 /// The radius of a quadric, and its share of a turn.
-fn round(params: &Params) -> Result<(f64, f64)> {
+fn radius_and_turn(params: &Params) -> Result<(f64, f64)> {
     let (radius, turn) = (params.number_or("radius", 1.0)?, params.number_or("phimax", 360.0)? / 360.0);
     match radius > 0.0 && turn > 0.0 {
         true => Ok((radius, turn.min(1.0))),
@@ -189,7 +188,7 @@ fn round(params: &Params) -> Result<(f64, f64)> {
 }
 
 fn sphere(params: &Params, by: &DAffine3, flips: bool, look: On, reader: &mut Reader) -> Result<Object> {
-    let (radius, turn) = round(params)?;
+    let (radius, turn) = radius_and_turn(params)?;
     let share =
         |name, usual: f64| Ok((params.number_or(name, usual * radius)?.clamp(-radius, radius) / radius).acos() / PI);
     let (bottom, top) = (share("zmin", -1.0)?, share("zmax", 1.0)?);
@@ -204,7 +203,7 @@ fn sphere(params: &Params, by: &DAffine3, flips: bool, look: On, reader: &mut Re
 }
 
 fn disk(params: &Params, by: &DAffine3, flips: bool, look: On, reader: &mut Reader) -> Result<Object> {
-    let (radius, turn) = round(params)?;
+    let (radius, turn) = radius_and_turn(params)?;
     let hole = params.number_or("innerradius", 0.0)? / radius;
     let height = DVec3::new(0.0, 0.0, params.number_or("height", 0.0)?);
     let (x, y) = (by.matrix3.x_axis, by.matrix3.y_axis);

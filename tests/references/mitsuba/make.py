@@ -4,24 +4,19 @@ sky.exr and squares.exr, which scenes name, are made first if they are not there
 to pole, ours have their middles half a row off.
 """
 
-import json
 import sys
 import time
 from pathlib import Path
 
 import mitsuba as mi
 import numpy as np
-import OpenEXR
 
 VARIANT = "scalar_rgb"
 mi.set_variant(VARIANT)
 SPP, PARTS = 1024, 3  # of each half
 FOLDER = Path(__file__).parent
-
-
-def write(name, image):
-    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
-    OpenEXR.File(header, {"RGB": np.ascontiguousarray(image, dtype=np.float32)}).write(str(FOLDER / f"{name}.exr"))
+sys.path.insert(0, str(FOLDER.parent))
+from record import record, write  # noqa: E402
 
 
 def inputs():
@@ -31,7 +26,7 @@ def inputs():
     squares = np.stack([0.2 + 0.07 * x, 0.2 + 0.07 * y, 0.1 + 0.6 * ((x // 2 + y // 2) % 2)], axis=2)
     for name, image in [("sky", sky), ("squares", squares)]:
         if not (FOLDER / f"{name}.exr").exists():
-            write(name, image)
+            write(FOLDER / name, image)
 
 
 def make(name):
@@ -40,21 +35,7 @@ def make(name):
     halves = [
         np.mean([np.array(mi.render(scene, spp=SPP, seed=half * PARTS + part)) for part in range(PARTS)], axis=0, dtype=np.float64) for half in (0, 1)
     ]
-    image = np.mean(halves, axis=0)
-    between = float(np.mean((halves[0] - halves[1]) ** 2 / (halves[1] ** 2 + 0.01)))
-    made = {
-        "scene": name,
-        "renderer": "mitsuba",
-        "variant": VARIANT,
-        "version": mi.__version__,
-        "spp": 2 * PARTS * SPP,
-        "seconds": round(time.time() - started, 1),
-        "relmse_of_reference": between / 4,
-        "relmse_between_halves": between,
-        "mean_rgb": image.mean(axis=(0, 1)).tolist(),
-    }
-    write(name, image)
-    (FOLDER / f"{name}.json").write_text(json.dumps(made, indent=1))
+    record(FOLDER / name, halves, started, {"renderer": "mitsuba", "variant": VARIANT, "version": mi.__version__, "spp": 2 * PARTS * SPP})
 
 
 inputs()

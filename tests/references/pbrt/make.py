@@ -4,7 +4,6 @@
 Each half has a sampler with a seed of its own in place of the scene's. square.exr and texels.exr, which scenes name, are made first if they are not there.
 """
 
-import json
 import re
 import subprocess
 import sys
@@ -17,11 +16,8 @@ import OpenEXR
 
 SPP = 8192  # of each half
 FOLDER = Path(__file__).parent
-
-
-def write(name, image):
-    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
-    OpenEXR.File(header, {"RGB": np.ascontiguousarray(image, dtype=np.float32)}).write(str(FOLDER / f"{name}.exr"))
+sys.path.insert(0, str(FOLDER.parent))
+from record import record, write  # noqa: E402
 
 
 def inputs():
@@ -32,7 +28,7 @@ def inputs():
     texels = (0.2 + 0.07 * x) * (0.5 + 0.5 * ((x // 2 + y // 2) % 2))
     for name, grey in [("square", sky), ("texels", texels)]:
         if not (FOLDER / f"{name}.exr").exists():
-            write(name, np.stack([grey] * 3, axis=2))
+            write(FOLDER / name, np.stack([grey] * 3, axis=2))
 
 
 def half(name, seed):
@@ -52,20 +48,7 @@ def half(name, seed):
 def make(name):
     started = time.time()
     halves = [half(name, seed) for seed in (1, 2)]
-    image = np.mean(halves, axis=0)
-    between = float(np.mean((halves[0] - halves[1]) ** 2 / (halves[1] ** 2 + 0.01)))
-    made = {
-        "scene": name,
-        "renderer": "pbrt-r4",
-        "version": "4.5.2",
-        "spp": 2 * SPP,
-        "seconds": round(time.time() - started, 1),
-        "relmse_of_reference": between / 4,
-        "relmse_between_halves": between,
-        "mean_rgb": image.mean(axis=(0, 1)).tolist(),
-    }
-    write(name, image)
-    (FOLDER / f"{name}.json").write_text(json.dumps(made, indent=1))
+    record(FOLDER / name, halves, started, {"renderer": "pbrt-r4", "version": "4.5.2", "spp": 2 * SPP})
 
 
 inputs()
