@@ -15,6 +15,7 @@ mod hints;
 mod man;
 mod merge;
 mod outputs;
+mod page;
 mod plan;
 mod render;
 mod requests;
@@ -67,6 +68,8 @@ enum Command {
     Converge(converge::ConvergeArgs),
     /// Show what a scene requires: kernels, buffers and bytes, and which object asked for each.
     Plan(plan::PlanArgs),
+    /// Write a scene as a page that renders itself in a browser, by WebGPU.
+    Page(page::PageArgs),
     /// Validate a scene without a GPU.
     Check(check::CheckArgs),
     /// Write a glTF scene as a scene file of our own form, which renders to the same image.
@@ -129,6 +132,7 @@ pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
         Command::Compare(args) => compare::run(args),
         Command::Converge(args) => converge::run(args),
         Command::Plan(args) => plan::run(args),
+        Command::Page(args) => page::run(args),
         Command::Check(args) => check::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Tradeoff(args) => tradeoff::run(args, start),

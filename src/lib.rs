@@ -82,6 +82,7 @@ pub mod options;
 #[doc(hidden)]
 pub mod output;
 #[doc(hidden)]
+pub mod page;
 pub mod plan;
 mod printable;
 #[doc(hidden)]

@@ -110,6 +110,11 @@ impl SettingsLayout {
         u64::from(layout::packed_bytes(&self.0))
     }
 
+    /// The members, for programs that write settings themselves.
+    pub fn members(&self) -> &[Member] {
+        &self.0
+    }
+
     /// The bytes of the settings, with each member at the offset that it has in the kernels.
     pub fn bytes(&self, settings: &data::Settings) -> Vec<u8> {
         layout::pack(&self.0, data::Settings::FIELDS, bytemuck::bytes_of(settings))
@@ -157,12 +162,57 @@ impl<'a> Plan<'a> {
         Ok(Plan { scene, options: options.clone(), kernels, tuning })
     }
 
+    /// A plan whose kernels bind so many storage buffers at most, if they can: as few of the smallest tables as are needed are uniforms.
+    ///
+    /// # Errors
+    /// As of [`Kernels::link`].
+    pub fn within(
+        scene: &'a DeviceScene,
+        options: &RenderOptions,
+        device: DeviceClass,
+        job: &Job,
+        most_storage: usize,
+    ) -> Result<Plan<'a>> {
+        let mut plan = Plan::new(scene, options, device, job)?;
+        let buffers = plan.buffers();
+        let bound: Vec<&str> = buffers.iter().map(|buffer| buffer.name).collect();
+        for count in 1..=tables::most_tables(device) {
+            if plan.most_storage_buffers() <= most_storage {
+                break;
+            }
+            let tables = UniformTables::smallest(scene, device, &bound, count);
+            plan.kernels = Kernels::link(&plan.kernels.features, &plan.options, plan.tuning.scatter, &tables)?;
+        }
+        Ok(plan)
+    }
+
+    /// The most storage buffers that one of the kernels binds.
+    pub fn most_storage_buffers(&self) -> usize {
+        let is_storage = |binding: &&Binding| binding.kind != layout::BindingKind::Uniform;
+        let of = |kernel: &Arc<Kernel>| kernel.bindings.values().filter(is_storage).count();
+        self.kernels().into_iter().map(of).max().unwrap_or_default()
+    }
+
     /// The limit of `--clamp` on a contribution of indirect light, in device radiance; 0 without it.
     pub fn indirect_limit(&self) -> f32 {
         let Some(limit) = self.options.clamp else { return 0.0 };
         // Values beyond the range of f32 become its least or largest.
         let device = limit * 2f64.powi(-self.scene.radiance_exponent);
         device.clamp(f64::from(f32::MIN_POSITIVE), f64::from(f32::MAX)) as f32
+    }
+
+    /// The settings of the scene for a job.
+    pub fn settings(&self, job: &Job) -> data::Settings {
+        data::Settings {
+            light_paths: self.options.light_paths.count(),
+            max_depth: job.max_depth,
+            seed: job.seed,
+            slots: self.tuning.slots,
+            film_width: job.size.0,
+            film_height: job.size.1,
+            indirect_limit: self.indirect_limit(),
+            ..self.scene.settings
+        }
     }
 
     /// The kernels in the order in which a pass runs them.

@@ -9,6 +9,9 @@ pub const MOST_STEPS: u32 = 1 << 18;
 /// The iterations that kernels are designed for: the number that Mesa 22.3 allows an invocation in all of its loops together.
 pub const LOOPS_NEEDED: u32 = 65_535;
 
+/// The error of log that WGSL allows on [0.5, 1).
+pub const LOG_ERROR: f64 = 1.0 / 2_097_152.0;
+
 /// The findings of the probe about a driver.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Numerics {
@@ -119,7 +122,7 @@ pub const PROPERTIES: [Property; 5] = [
     Property {
         name: "logarithm",
         without: "computes log between 0.5 and 1 with a larger error than the 2^-21 that WGSL allows",
-        holds: |found| found.log_error <= 1.0 / 2_097_152.0,
+        holds: |found| found.log_error <= LOG_ERROR,
     },
     Property {
         name: "signs",

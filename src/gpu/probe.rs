@@ -8,7 +8,7 @@ use super::buffers::{BufferSpec, Buffers, Readback};
 use super::device::Device;
 use super::layout;
 use super::link::{Choices, Embedded, Linked, link};
-use super::numerics::{LOOPS, Numerics, Rounding};
+use super::numerics::{LOG_ERROR, LOOPS, LOOPS_NEEDED, Numerics, PROPERTIES, Property, Rounding};
 use super::pipeline::{Pipeline, PipelineSpec};
 use crate::data::{Answer, Trial};
 use crate::error::Result;
@@ -200,6 +200,51 @@ pub fn judge(trials: &[Trial], answers: &[Answer]) -> Numerics {
             answer.edge_sign == exact_edge_sign([trial.p_x, trial.p_y], [trial.q_x, trial.q_y])
         }),
     }
+}
+
+/// The right answers of the trials to a property of [`super::numerics::PROPERTIES`], by one member of the answers.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Expected {
+    pub property: &'static str,
+    pub without: &'static str,
+    pub member: &'static str,
+    pub right: Right,
+}
+
+/// How an answer is right.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Right {
+    /// The bits of `mask` are those of `words`.
+    Words { mask: u32, words: Vec<u32> },
+    /// As a float it is at most `error` away.
+    Floats { error: f64, values: Vec<f64> },
+    /// It is the state of a generator that has made at least so many steps. If it has made `all`, loops have no limit.
+    Loops { least: u32, all: u32 },
+}
+
+/// The right answers, for programs that run the probe elsewhere.
+pub fn expected(trials: &[Trial]) -> Vec<Expected> {
+    let words = |mask, right: &dyn Fn(&Trial) -> u32| Right::Words { mask, words: trials.iter().map(right).collect() };
+    let class = |trial: &Trial| {
+        let special = f32::from_bits(trial.special);
+        u32::from(special.is_nan()) << 4 | u32::from(special.is_infinite()) << 5
+    };
+    let uniform = |trial: &Trial| ((trial.word >> 8) as f32 / 16_777_216.0).to_bits();
+    let sign = |trial: &Trial| exact_edge_sign([trial.p_x, trial.p_y], [trial.q_x, trial.q_y]) as u32;
+    let logarithms: Vec<f64> = trials.iter().map(|trial| f64::from(trial.log_of).ln()).collect();
+    let of = |name: &str| match name {
+        "loops" => ("loop_state", Right::Loops { least: LOOPS_NEEDED, all: LOOPS }),
+        "uniforms" => ("uniform_of_24", words(u32::MAX, &uniform)),
+        "bits" => ("classes_of_special", words(0b11_0000, &class)),
+        "signs" => ("edge_sign", words(u32::MAX, &sign)),
+        _ => ("logarithm", Right::Floats { error: LOG_ERROR, values: logarithms.clone() }),
+    };
+    let expected = |Property { name, without, .. }| {
+        let (member, right) = of(name);
+        Expected { property: name, without, member, right }
+    };
+    PROPERTIES.into_iter().map(expected).collect()
 }
 
 /// x + y minus its rounding to f32. Exact for exponents that are at most 24 apart, because their sum in f64 is.

@@ -22,19 +22,37 @@ impl UniformTables {
     /// Puts each table that fits into the uniform bindings of a device of this class. If there are more tables than bindings, the
     /// empty ones are the first to stay in storage.
     pub fn new(flat: &DeviceScene, device: DeviceClass) -> UniformTables {
-        let uniform_bytes = device.table_bytes();
-        let fits = |(name, bytes, stride): (&'static str, u64, u64)| {
+        let (empty, filled): (Vec<_>, Vec<_>) = sizes(flat).into_iter().partition(|table| table.1 == 0);
+        UniformTables::of(filled.into_iter().chain(empty), device.table_bytes(), most_tables(device))
+    }
+
+    /// Puts the smallest of these tables into uniform bindings, so many at most. For devices that allow a kernel few storage bindings.
+    pub fn smallest(flat: &DeviceScene, device: DeviceClass, bound: &[&str], count: usize) -> UniformTables {
+        let mut sizes = sizes(flat);
+        sizes.retain(|(name, ..)| bound.contains(name));
+        sizes.sort_by_key(|table| table.1);
+        UniformTables::of(sizes.into_iter(), device.max_uniform_bytes, count)
+    }
+
+    fn of(tables: impl Iterator<Item = Sizes>, uniform_bytes: u64, most: usize) -> UniformTables {
+        let fits = |(name, bytes, stride): Sizes| {
             let elements = (bytes / stride).max(1).next_power_of_two().min(uniform_bytes / stride);
             (elements * stride >= bytes.max(1)).then_some((name, elements))
         };
-        let tables = tables(flat);
-        let (empty, filled): (Vec<_>, Vec<_>) = tables
-            .iter()
-            .map(|(name, bytes, stride, _)| (*name, bytes.len() as u64, *stride))
-            .partition(|table| table.1 == 0);
-        let most = device.max_uniforms.saturating_sub(OTHER_UNIFORMS) as usize;
-        UniformTables { uniform: filled.into_iter().chain(empty).filter_map(fits).take(most).collect() }
+        UniformTables { uniform: tables.filter_map(fits).take(most).collect() }
     }
+}
+
+/// The most tables that a kernel can bind as uniforms.
+pub fn most_tables(device: DeviceClass) -> usize {
+    device.max_uniforms.saturating_sub(OTHER_UNIFORMS) as usize
+}
+
+/// The name of a table, its bytes, and those of an element.
+type Sizes = (&'static str, u64, u64);
+
+fn sizes(flat: &DeviceScene) -> Vec<Sizes> {
+    tables(flat).iter().map(|(name, bytes, stride, _)| (*name, bytes.len() as u64, *stride)).collect()
 }
 
 /// A table: its name, its contents, the bytes of an element, and its purpose.

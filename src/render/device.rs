@@ -207,20 +207,6 @@ fn check_limits(device: &Device, plan: &Plan<'_>) -> Result<()> {
     Ok(())
 }
 
-/// The settings of a plan's scene for a job.
-fn settings_of(plan: &Plan<'_>, job: &Job) -> Settings {
-    Settings {
-        light_paths: plan.options.light_paths.count(),
-        max_depth: job.max_depth,
-        seed: job.seed,
-        slots: plan.tuning.slots,
-        film_width: job.size.0,
-        film_height: job.size.1,
-        indirect_limit: plan.indirect_limit(),
-        ..plan.scene.settings
-    }
-}
-
 /// What a renderer has of a plan, and may have of the next one.
 struct Planned {
     kernels: Vec<Arc<Kernel>>,
@@ -291,7 +277,7 @@ impl DeviceRenderer {
         };
         let renderer = DeviceRenderer {
             device: Arc::clone(device),
-            settings: settings_of(plan, job),
+            settings: plan.settings(job),
             kernels,
             planned: Planned::new(plan, &buffer_specs),
             paces: [pace(), pace()],
@@ -330,7 +316,7 @@ impl DeviceRenderer {
         let has_images = before.images == self.planned.images;
         let is_new = |spec: &&BufferSpec<'_>| !(has_images && spec.name == "texels");
         self.buffers.fill(&self.device, specs.iter().filter(is_new))?;
-        self.settings = settings_of(plan, job);
+        self.settings = plan.settings(job);
         self.film.exponent = plan.scene.radiance_exponent;
         self.film.neighbours = plan.scene.neighbours.clone();
         self.film.aovs = plan.options.aov.of_film();
