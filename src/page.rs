@@ -15,6 +15,7 @@ use crate::data::{FILM_SUMS, LIGHT_BINS, LIGHT_PATHS, PATHS, RAYS, RUN_LENGTH, S
 use crate::data::{SUM_FRACTION, TOO_DEEP_THROUGHPUT};
 use crate::error::{Error, Result};
 use crate::film::{Film, device_bytes};
+use crate::flatten::DeviceScene;
 use crate::gpu::layout::{self, Binding, BindingKind, Member};
 use crate::gpu::link::{Choices, Embedded, link};
 use crate::gpu::numerics::MOST_STEPS;
@@ -36,6 +37,18 @@ pub struct Page {
     pub data: Vec<u8>,
     /// The picture for browsers without WebGPU, as a PNG, and its words.
     pub picture: (Vec<u8>, String),
+}
+
+/// A scene whose camera the reader of a page moves, if it does not move by itself.
+pub fn with_camera(mut scene: DeviceScene) -> DeviceScene {
+    if scene.features.reason("moving_camera").is_none() {
+        scene.features.require("placed", || "page".to_owned());
+    }
+    scene
+}
+
+fn is_placed(plan: &Plan<'_>) -> bool {
+    plan.scene.features.reason("placed").is_some()
 }
 
 /// What is so large that not every browser renders it, in words.
@@ -91,6 +104,7 @@ pub fn plan_and_data(plan: &Plan<'_>, job: &Job, film: &Film) -> Result<(Value, 
         "run_length": RUN_LENGTH,
         "strip_rows": STRIP_ROWS,
         "light_paths": settings.light_paths,
+        "camera": is_placed(plan).then_some(&plan.scene.placement),
         "settings": {
             "members": offsets(plan.kernels.settings.members()),
             "bytes": STANDARD.encode(plan.kernels.settings.bytes(&settings)),

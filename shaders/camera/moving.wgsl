@@ -1,6 +1,7 @@
 //@ implements camera_pose when moving_camera
 //@ use bind/motions
 //@ use bind/settings
+//@ use choice/lens_place
 //@ use motion/pose
 // A camera that moves: both the point at which it is and the one at which it looks have keys. They are relative to the camera where the
 // shutter opens, which is the origin of render space.
@@ -41,7 +42,7 @@ fn begin_camera() {
 
 // A point given relative to the middle of the lens.
 fn from_lens(point: vec3<f32>) -> vec3<f32> {
-    return select(camera_now.origin + point, point, camera_now.rests);
+    return select(camera_now.origin + point, placed(point), camera_now.rests);
 }
 
 fn camera_forward() -> vec3<f32> {

@@ -1,13 +1,14 @@
 //@ implements camera_pose when !moving_camera
 //@ use bind/settings
-// A camera that rests, at the origin of render space.
+//@ use choice/lens_place
+// A camera that rests.
 
 fn begin_camera() {
 }
 
 // A point given relative to the middle of the lens.
 fn from_lens(point: vec3<f32>) -> vec3<f32> {
-    return point;
+    return placed(point);
 }
 
 fn camera_forward() -> vec3<f32> {

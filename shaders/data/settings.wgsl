@@ -22,6 +22,10 @@ struct Settings {
     film_top: u32,
     film_width: u32,
     film_height: u32,
+    //@ if placed
+    // The place of the camera in render space.
+    camera_place: vec3<f32>,
+    //@ end
     //@ if lens
     // The image's x and y directions in render space, times the lens's radius.
     lens_x: vec3<f32>,

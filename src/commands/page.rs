@@ -13,7 +13,7 @@ use crate::gpu::device::DeviceClass;
 use crate::job::{Frame, Goal, Job, Size};
 use crate::options::{RenderOptions, SIZE, Scatter};
 use crate::output::{png, writable};
-use crate::page::{Page, STORAGE_BUFFERS, needs, plan_and_data, write_folder, write_single};
+use crate::page::{Page, STORAGE_BUFFERS, needs, plan_and_data, with_camera, write_folder, write_single};
 use crate::plan::Plan;
 use crate::printable::{counted, percent};
 use crate::render::{NOISE_LEVEL, empty_film};
@@ -64,6 +64,7 @@ pub fn run(args: &PageArgs) -> Result<()> {
     let (size, flat) = flatten_for(&scene, args.size, &options)?;
     let max_depth = scene.render.max_depth;
     let job = |samples| Job { size, max_depth, seed: 0, first_sample: 0, goal: Goal::Samples(samples) };
+    let flat = with_camera(flat);
     let plan = Plan::within(&flat, &options, DeviceClass::default(), &job(SAMPLES), STORAGE_BUFFERS)?;
     for need in needs(&plan) {
         tell(&format!("warning: not every browser renders this page: {need}"));

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::features::Features;
 use super::neighbours::Neighbours;
+use super::view::Placement;
 use crate::aov::SceneSpace;
 use crate::bitmap::SRGB;
 use crate::bvh::Bvh;
@@ -23,6 +24,7 @@ pub struct DeviceScene {
     pub features: Features,
     /// The camera, the background and the BVH's root. The render fills in the other settings.
     pub settings: data::Settings,
+    pub placement: Placement,
     pub nodes: Vec<data::Node>,
     pub shapes: Tables,
     /// Faces, vertices and texture coordinates of all meshes, in the layout of shaders/bind/meshes.

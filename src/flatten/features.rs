@@ -113,6 +113,8 @@ pub static DECLARED: LazyLock<Vec<Declared>> = LazyLock::new(|| {
         named("lens", none(), Always, "thin lens", "camera/thin_lens"),
         // Films that are no plane at distance 1: each scene has one.
         named("projection", PROJECTIONS.to_vec(), Never, "{} camera", "camera/{}"),
+        // The camera of a page, which its reader moves.
+        named("placed", none(), Always, "camera of a page", "camera/placed"),
         // Pixels are so narrow that render space has the camera's axes instead of the world's, or the background is turned.
         named("camera_axes", none(), Always, "turned axes", "scene/camera_axes"),
         // What moves: shapes, boundaries of media, lights without size, media with a texture, and the camera.

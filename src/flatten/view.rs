@@ -1,6 +1,7 @@
 //! The camera, and the axes of render space.
 
 use glam::{DMat3, DVec3};
+use serde::Serialize;
 
 use super::projection::Film;
 use crate::data::{self, f32s};
@@ -28,6 +29,27 @@ pub struct View<'a> {
     pub eye: DVec3,
 }
 
+/// A camera in render space.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Placement {
+    pub right: [f64; 3],
+    pub up: [f64; 3],
+    pub backward: [f64; 3],
+    /// What its user calls up, a unit vector.
+    pub vertical: [f64; 3],
+    /// That of the point at which it looks.
+    pub distance: f64,
+    /// The length of the settings' vectors for a pixel.
+    pub pixel: f64,
+    pub lens_radius: f64,
+    pub focus: f64,
+    pub mirror: bool,
+    /// Whether its rays are parallel.
+    pub parallel: bool,
+    /// Whether an image of half the height has pixels of twice the size.
+    pub scales: bool,
+}
+
 /// The axes of a camera: right, up and backwards.
 pub fn axes_of(camera: &Camera) -> DMat3 {
     let unit = |v: DVec3| (v / v.abs().max_element()).normalize();
@@ -52,6 +74,26 @@ impl View<'_> {
 
     pub fn lens_radius(&self) -> f64 {
         0.5 * self.camera.aperture
+    }
+
+    /// What the settings follow from, for who places the camera elsewhere.
+    pub fn placement(&self, space: &RenderSpace) -> Placement {
+        let View { camera, film, to_space, .. } = self;
+        let axes = if self.has_camera_axes { DMat3::IDENTITY } else { self.axes };
+        let distance = (camera.look_at - camera.look_from).length() * space.scale;
+        Placement {
+            right: axes.x_axis.into(),
+            up: axes.y_axis.into(),
+            backward: axes.z_axis.into(),
+            vertical: (to_space.rotation * camera.up).normalize_or(axes.y_axis).into(),
+            distance,
+            pixel: film.pixel(space.scale),
+            lens_radius: self.lens_radius() * space.scale,
+            focus: camera.focus_distance.map_or(distance, |focus| focus * space.scale),
+            mirror: camera.mirror,
+            parallel: matches!(film, Film::Parallel { .. }),
+            scales: matches!(film, Film::Plane { .. } | Film::Parallel { .. }),
+        }
     }
 
     /// The settings that kernels read.

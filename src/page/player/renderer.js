@@ -46,7 +46,6 @@ export class Renderer {
       return [kernel.name, made];
     };
     this.kernels = Object.fromEntries(await Promise.all(plan.kernels.map(one)));
-    this.settings = new DataView(fromBase64(plan.settings.bytes).buffer);
   }
 
   // Writes a member of the settings: a number, or the components of a vector.
@@ -62,6 +61,7 @@ export class Renderer {
   // Begins an image of this size with so many samples of a pixel at most. `members` are those of the settings that the camera has.
   begin([width, height], samples, members = {}) {
     Object.assign(this, { size: [width, height], pixels: width * height, samples, blocks: 0 });
+    this.settings = new DataView(fromBase64(this.plan.settings.bytes).buffer);
     const sizes = { image_width: width, image_height: height, film_width: width, film_height: height };
     Object.entries({ ...sizes, slots: this.slots, end_sample: samples, ...members }).forEach(([name, value]) => this.set(name, value));
     this.device.queue.writeBuffer(this.buffers.settings, 0, this.settings.buffer);
