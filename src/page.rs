@@ -36,7 +36,7 @@ pub struct Page {
     /// The contents of all buffers, one after the other.
     pub data: Vec<u8>,
     /// The picture for browsers without WebGPU, as a PNG, and its words.
-    pub picture: (Vec<u8>, String),
+    pub picture: Option<(Vec<u8>, String)>,
 }
 
 /// A scene whose camera the reader of a page moves, if it does not move by itself.

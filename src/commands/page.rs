@@ -7,10 +7,10 @@ use clap::Args;
 use super::console::tell;
 use super::outputs::{check_name, make_folder};
 use super::scene::{flatten_for, load, stem_of};
-use crate::cli::{SceneArgs, samples};
+use crate::cli::SceneArgs;
 use crate::error::{Error, Result};
 use crate::gpu::device::DeviceClass;
-use crate::job::{Frame, Goal, Job, Size};
+use crate::job::{Frame, Goal, Job, MOST_SAMPLES, Size};
 use crate::options::{RenderOptions, SIZE, Scatter};
 use crate::output::{png, writable};
 use crate::page::{Page, STORAGE_BUFFERS, needs, plan_and_data, with_camera, write_folder, write_single};
@@ -33,8 +33,8 @@ pub struct PageArgs {
     /// Write one .html file, which opens from a disk.
     #[arg(long)]
     pub single: bool,
-    /// Samples per pixel of the picture that is shown where a browser has no WebGPU.
-    #[arg(long, value_name = "N", value_parser = samples(), default_value_t = 64)]
+    /// Samples per pixel of the picture that is shown where a browser has no WebGPU. 0 for none, which needs no device.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=MOST_SAMPLES), default_value_t = 64)]
     pub spp: u32,
     #[arg(long, value_name = "WxH|W|N%", help = SIZE.about, long_help = SIZE.help(), help_heading = SIZE.class.heading())]
     pub size: Option<Size>,
@@ -71,7 +71,7 @@ pub fn run(args: &PageArgs) -> Result<()> {
     }
     let film = empty_film(&flat, size, &plan.options)?;
     let (sections, data) = plan_and_data(&plan, &job(SAMPLES), &film)?;
-    let picture = picture(args, &scene, &options, &job(args.spp))?;
+    let picture = (args.spp > 0).then(|| picture(args, &scene, &options, &job(args.spp))).transpose()?;
     let title = stem_of(&args.scene.path).to_string_lossy().into_owned();
     let page = Page { title, plan: sections, data, picture };
     if args.single { write_single(&page, &args.output) } else { write_folder(&page, &args.output) }

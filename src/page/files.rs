@@ -34,6 +34,7 @@ pub fn write_folder(page: &Page, folder: &Path) -> Result<()> {
     let head = "<link rel=\"stylesheet\" href=\"style.css\">";
     let script = "<script type=\"module\" src=\"main.js\"></script>";
     let html = filled(page, head, "picture.png", script);
+    let picture = page.picture.iter().map(|(bytes, _)| ("picture.png", &bytes[..]));
     let plan = page.plan.to_string();
     let data = packed(&page.data);
     let own = [
@@ -41,10 +42,9 @@ pub fn write_folder(page: &Page, folder: &Path) -> Result<()> {
         ("style.css", STYLE.as_bytes()),
         ("plan.json", plan.as_bytes()),
         ("data.gz", &data),
-        ("picture.png", &page.picture.0),
     ];
     let modules = MODULES.iter().map(|(name, text)| (*name, text.as_bytes()));
-    own.into_iter().chain(modules).try_for_each(|(name, bytes)| atomic::write(&folder.join(name), bytes))
+    own.into_iter().chain(picture).chain(modules).try_for_each(|(name, bytes)| atomic::write(&folder.join(name), bytes))
 }
 
 /// Writes the page as one file: one script without imports, which fetches nothing.
@@ -53,7 +53,8 @@ pub fn write_folder(page: &Page, folder: &Path) -> Result<()> {
 /// If the file cannot be written.
 pub fn write_single(page: &Page, path: &Path) -> Result<()> {
     let head = format!("<style>\n{STYLE}</style>");
-    let picture = format!("data:image/png;base64,{}", STANDARD.encode(&page.picture.0));
+    let picture = page.picture.as_ref().map_or(&[][..], |(bytes, _)| bytes);
+    let picture = format!("data:image/png;base64,{}", STANDARD.encode(picture));
     let modules: String = MODULES.iter().map(|(_, text)| joined(text)).collect();
     // Within a script, `</` would end it.
     let plan = page.plan.to_string().replace("</", "<\\/");
@@ -70,9 +71,14 @@ pub fn write_single(page: &Page, path: &Path) -> Result<()> {
 
 fn filled(page: &Page, head: &str, picture: &str, script: &str) -> String {
     let escaped = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
-    let words = [("{{title}}", &*escaped(&page.title)), ("{{words}}", &*escaped(&page.picture.1)), ("{{head}}", head)];
-    let html = words.iter().fold(HTML.to_owned(), |html, (name, text)| html.replace(name, text));
-    html.replace("{{picture}}", picture).replace("{{script}}", script)
+    let title = escaped(&page.title);
+    let of_words = |words: &str| {
+        let alt = format!("{title}, rendered before");
+        format!("<img src=\"{picture}\" alt=\"{alt}\"><figcaption>{}</figcaption>", escaped(words))
+    };
+    let still = page.picture.as_ref().map_or(String::new(), |(_, words)| of_words(words));
+    let parts = [("{{title}}", &*title), ("{{head}}", head), ("{{still}}", &*still), ("{{script}}", script)];
+    parts.iter().fold(HTML.to_owned(), |html, (name, text)| html.replace(name, text))
 }
 
 /// The text of a module as a part of one script.

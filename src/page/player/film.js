@@ -246,7 +246,7 @@ export class Film {
     const limited = value => Math.min(Math.max(Math.fround(value), -most), most);
     const ofVariance = v => (v === null ? most : v === 0 ? 0 : Math.max(limited(v * scale * scale), 1.1754943508222875e-38));
     const pixels = this.ranks.length;
-    const picture = { size: this.size, rgb: new Float32Array(3 * pixels), variance: new Float32Array(3 * pixels), samples: new Float32Array(pixels) };
+    const picture = { size: this.size, rgb: new Float32Array(3 * pixels), variance: new Float32Array(3 * pixels), samples: new Uint32Array(pixels) };
     for (const [index, pixel] of this.pixels()) {
       picture.samples[index] = pixel.samples;
       for (const c of CHANNELS) {

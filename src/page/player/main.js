@@ -143,8 +143,11 @@ class Player {
       const from = performance.now();
       await this.free(() => version !== this.version);
       idle += performance.now() - from;
-      if (this.saves.length > 0 && renderer.blocks > 0) await this.save(renderer, this.saves.shift());
       if (version !== this.version) return;
+      if (this.saves.length > 0 && renderer.blocks > 0) {
+        await this.save(renderer, this.saves.shift());
+        continue;
+      }
       const round = performance.now();
       let drawn = 0;
       await renderer.render(Math.min(blocks, check - renderer.blocks), () => {
@@ -217,7 +220,7 @@ async function start() {
     why = error instanceof Lacks ? error.message : `This page cannot render: ${error.message}`;
   }
   [element("still").hidden, element("view").hidden, element("controls").hidden, element("figures").hidden] = [false, true, true, true];
-  tell(`${why} This is a picture that was rendered before.`);
+  tell(element("still").firstChild ? `${why} This is a picture that was rendered before.` : why);
 }
 
 start();

@@ -64,7 +64,7 @@ export async function png(picture, view) {
   return canvas.convertToBlob({ type: "image/png" });
 }
 
-// An OpenEXR file of floats, without compression (openexr.com, "OpenEXR File Layout").
+// An OpenEXR file of floats and the numbers of samples, without compression (openexr.com, "OpenEXR File Layout").
 export function exr({ size: [width, height], rgb, variance, samples }) {
   const third = (values, c) => index => values[3 * index + c];
   const channels = [
@@ -76,7 +76,8 @@ export function exr({ size: [width, height], rgb, variance, samples }) {
   const ints = (...values) => numbers(Int32Array, values), floats = (...values) => numbers(Float32Array, values);
   const attribute = (name, type, bytes) => [...text(name), ...text(type), ...ints(bytes.length), ...bytes];
   const box = ints(0, 0, width - 1, height - 1);
-  const list = channels.flatMap(([name]) => [...text(name), ...ints(2), 0, 0, 0, 0, ...ints(1, 1)]);
+  const isCount = name => name === "samples.Y";
+  const list = channels.flatMap(([name]) => [...text(name), ...ints(isCount(name) ? 0 : 2), 0, 0, 0, 0, ...ints(1, 1)]);
   const header = [
     ...ints(20000630, 2),
     ...attribute("channels", "chlist", [...list, 0]),
@@ -97,8 +98,9 @@ export function exr({ size: [width, height], rgb, variance, samples }) {
     file.setBigUint64(header.length + 8 * y, BigInt(at), true);
     file.setInt32(at, y, true);
     file.setInt32(at + 4, row - 8, true);
-    channels.forEach(([, value], channel) => {
-      for (let x = 0; x < width; x++) file.setFloat32(at + 8 + 4 * (channel * width + x), value(y * width + x), true);
+    channels.forEach(([name, value], channel) => {
+      const set = (isCount(name) ? file.setUint32 : file.setFloat32).bind(file);
+      for (let x = 0; x < width; x++) set(at + 8 + 4 * (channel * width + x), value(y * width + x), true);
     });
   }
   return new Blob([file.buffer], { type: "image/x-exr" });
