@@ -15,7 +15,7 @@ define install
 }
 endef
 
-.PHONY: render test test-programs driver oidn wheel test-python pip blender validate test-blender bpy quick test-long test-slurm slurm test-tint test-skies test-files fuzz soak test-drivers accuracy gpu gpu-kit gpu-compile lint toolchain
+.PHONY: render test test-programs driver oidn wheel test-python pip blender validate test-blender test-page pages bpy quick test-long test-slurm slurm test-tint test-skies test-files fuzz soak test-drivers accuracy gpu gpu-kit gpu-compile lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -74,6 +74,24 @@ test-blender: toolchain blender driver
 	$(CARGO) build --release
 	PATH="$(CURDIR)/target/release:$$PATH" PYTHONPATH=tests/blender \
 		target/bpy/bin/python -B -W ignore::DeprecationWarning -m unittest $(BLENDER_TESTS)
+
+# Pages in Dawn and in Chromium, which also brings the software driver that all of these tests have.
+test-page: toolchain
+	@command -v npm >/dev/null || $(call install, nodejs npm, no node answers)
+	@command -v chromium >/dev/null || $(call install, chromium, Chromium is missing)
+	cd tests/page && npm ci --silent
+	$(CARGO) build --release
+	PATH="$(CURDIR)/target/release:$$PATH" node --test tests/page
+
+# Pages of some scenes, with an index, for a server of files: target/pages.
+PAGES = weekend.ron cornell.ron glass.ron lights.ron still-life.glb window.ron motion.ron
+pages: toolchain
+	$(CARGO) build --release
+	@set -e; for scene in $(PAGES); do to=target/pages/$${scene%%.*}; echo "$$to"; $(GPU_RT) page scenes/$$scene -o $$to; done
+	@{ echo '<!doctype html><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>gpu-rt</title>'; \
+		echo '<h1>Scenes that render themselves</h1>'; \
+		for scene in $(PAGES); do name=$${scene%%.*}; \
+			echo "<p><a href=\"$$name/\"><img src=\"$$name/picture.png\" alt=\"$$name\" width=\"320\"></a>"; done; } >target/pages/index.html
 
 # Blender as a Python module (350 MB, by pip), which is made for two versions of Python. Debian lacks some of the libraries that it loads.
 bpy: pip

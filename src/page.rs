@@ -62,11 +62,12 @@ pub fn needs(plan: &Plan<'_>) -> Vec<String> {
     kernels.into_iter().chain(large).collect()
 }
 
-/// The plan for the player, and the contents of its buffers. `film` is an empty one of the render.
+/// The plan for the player, and the contents of its buffers. `film` is an empty one of the render. `fixed`: the size is not that of the reader's
+/// view.
 ///
 /// # Errors
 /// `Error::Shader` if the probe does not link: a defect of gpu-rt.
-pub fn plan_and_data(plan: &Plan<'_>, job: &Job, film: &Film) -> Result<(Value, Vec<u8>)> {
+pub fn plan_and_data(plan: &Plan<'_>, job: &Job, film: &Film, fixed: bool) -> Result<(Value, Vec<u8>)> {
     let mut data = Vec::new();
     let buffers = buffers(plan, &mut data);
     let kernels: Vec<Value> = plan.kernels().into_iter().map(|kernel| kernel_json(kernel)).collect();
@@ -89,6 +90,7 @@ pub fn plan_and_data(plan: &Plan<'_>, job: &Job, film: &Film) -> Result<(Value, 
     let settings = plan.settings(job);
     let sections = json!({
         "size": [job.size.0, job.size.1],
+        "fixed": fixed,
         "kernels": kernels,
         "stages": {
             "generate": plan.kernels.generate.name,
@@ -128,6 +130,7 @@ pub fn plan_and_data(plan: &Plan<'_>, job: &Job, film: &Film) -> Result<(Value, 
             "lamps": film.bound.lamps,
         },
         "probe": probe_json()?,
+        "show": include_str!("page/show.wgsl"),
     });
     Ok((sections, data))
 }

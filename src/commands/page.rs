@@ -70,7 +70,7 @@ pub fn run(args: &PageArgs) -> Result<()> {
         tell(&format!("warning: not every browser renders this page: {need}"));
     }
     let film = empty_film(&flat, size, &plan.options)?;
-    let (sections, data) = plan_and_data(&plan, &job(SAMPLES), &film)?;
+    let (sections, data) = plan_and_data(&plan, &job(SAMPLES), &film, args.size.is_some())?;
     let picture = (args.spp > 0).then(|| picture(args, &scene, &options, &job(args.spp))).transpose()?;
     let title = stem_of(&args.scene.path).to_string_lossy().into_owned();
     let page = Page { title, plan: sections, data, picture };

@@ -24,3 +24,4 @@ mod pbrt;
 mod plan;
 mod scene_file;
 mod statistics;
+mod web_page;

@@ -67,16 +67,16 @@ export class Camera {
     this.look(this.backward, Math.max(this.distance * share, LEAST_DISTANCE), this.target());
   }
 
-  // The size of the image while it moves: a quarter of the pixels, where a smaller image has the same view.
-  movingSize() {
-    return this.start.scales ? this.full.map(side => Math.max(Math.ceil(side / 2), 1)) : this.full;
+  // Whether an image of this size is that of the host.
+  isStart(size) {
+    return !this.moved && size.every((side, axis) => side === this.full[axis]);
   }
 
   // The settings of an image of this size, by name. At the start they are those of the host, to the bit.
   settings(size) {
     const { pixel, lens_radius, focus, mirror, distance } = this.start;
     const width = (pixel * this.zoom() * this.full[1]) / size[1];
-    if (!this.moved && size[1] === this.full[1]) return {};
+    if (this.isStart(size)) return {};
     return {
       camera_place: this.place,
       forward: times(this.backward, -1),

@@ -25,7 +25,7 @@ export async function openDevice(plan, gpu = navigator.gpu) {
   return { device, isFallback, name: info.description || [info.vendor, info.architecture].filter(Boolean).join(" ") || "a device" };
 }
 
-function bindGroup(device, pipeline, bindings, buffers) {
+export function bindGroup(device, pipeline, bindings, buffers) {
   const entries = bindings.map(([binding, , name]) => ({ binding, resource: { buffer: buffers[name] } }));
   return device.createBindGroup({ layout: pipeline.getBindGroupLayout(0), entries });
 }
@@ -36,7 +36,7 @@ export async function compile(device, { wgsl, entry, bindings }, constants, buff
   const layout = device.createPipelineLayout({ bindGroupLayouts: [device.createBindGroupLayout({ entries })] });
   const module = device.createShaderModule({ code: wgsl });
   const pipeline = await device.createComputePipelineAsync({ layout, compute: { module, entryPoint: entry, constants } });
-  return { pipeline, group: bindGroup(device, pipeline, bindings, buffers) };
+  return { pipeline, bindings, group: bindGroup(device, pipeline, bindings, buffers) };
 }
 
 export function bufferOf(device, bytes, usage, contents = null) {

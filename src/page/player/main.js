@@ -14,6 +14,8 @@ const LEVEL = 0.05;
 const ROUND = [250, 1000];
 const REST = 250;
 const MOST_ATTEMPTS = 4;
+// The bytes of a binding that every device has.
+const FILM_BYTES = 2 ** 27;
 
 const element = id => document.getElementById(id);
 const tell = words => (element("message").textContent = words);
@@ -37,10 +39,10 @@ class Estimator {
     this.last = Promise.resolve();
   }
 
-  ask(plan, size, words, totals, develops) {
+  ask(plan, film, size, words, totals, develops) {
     const answer = async () => {
       const answered = new Promise((done, fail) => Object.assign(this.worker, { onmessage: ({ data }) => done(data), onerror: fail }));
-      const { film, strip_rows } = plan;
+      const { strip_rows } = plan;
       this.worker.postMessage({ plan: { film, strip_rows, size }, words, totals, level: LEVEL, develops }, [words]);
       return answered;
     };
@@ -53,7 +55,6 @@ class Player {
     Object.assign(this, { plan, data, slots: Infinity, view: { exposure: 0, curve: CURVES[0] }, paused: false, version: 0, lastStep: -Infinity, saves: [] });
     this.camera = plan.camera && new Camera(plan);
     this.estimator = new Estimator();
-    Object.assign(element("view"), { width: plan.size[0], height: plan.size[1] });
     this.listen();
   }
 
@@ -64,6 +65,7 @@ class Player {
       this.renderer?.stop();
     };
     if (this.camera) control(element("view"), this.camera, changed);
+    addEventListener("resize", () => this.size && String(this.size) !== String(this.sizeOfView()) && changed());
     element("reset").hidden = !this.camera;
     element("reset").onclick = () => {
       this.camera.reset();
@@ -85,16 +87,27 @@ class Player {
     document.addEventListener("visibilitychange", () => this.draw());
   }
 
+  // The size of the image: that of the view, with the scene's proportions, where the film has room for it.
+  sizeOfView() {
+    const { plan } = this;
+    if (plan.fixed || !plan.camera?.scales) return plan.size;
+    const { clientWidth } = element("stage"), ratio = this.isFallback ? 1 : Math.min(devicePixelRatio, 2);
+    const fits = ratio * Math.min(clientWidth / plan.size[0], (0.78 * innerHeight) / plan.size[1]);
+    const room = Math.sqrt(FILM_BYTES / plan.film.bytes / (plan.size[0] * plan.size[1]));
+    return plan.size.map(side => Math.max(Math.floor(side * Math.min(fits, room)), 1));
+  }
+
   // Opens a device and renders with it. Returns only when the device is lost, why.
   async attempt() {
     const { device, isFallback, name } = await openDevice(this.plan);
     this.lost = device.lost.then(({ message }) => message || "no reason is known");
+    this.isFallback = isFallback;
     const renderer = new Renderer(device, this.plan, isFallback);
     renderer.slots = Math.min(renderer.slots, this.slots);
     const told = (ready, all) => tell(`Compiling: ${ready} of ${all} kernels`);
     const rendering = async () => {
       await renderer.prepare(this.data, told);
-      this.picture = new Picture(device, this.plan, element("view"), renderer.buffers.film);
+      this.picture = new Picture(device, this.plan, element("view"));
       tell(`Rendering on ${name}.`);
       [element("view").hidden, element("figures").hidden, element("controls").hidden] = [false, false, false];
       this.renderer = renderer;
@@ -117,15 +130,22 @@ class Player {
   async run(renderer) {
     for (;;) {
       const version = this.version;
+      this.size = this.sizeOfView();
+      this.resize(element("view"));
       if (performance.now() - this.lastStep < REST) await this.move(renderer);
       else await this.rest(renderer, version);
     }
   }
 
+  // To set its size, even to what it is, makes a canvas black.
+  resize(canvas) {
+    if (String([canvas.width, canvas.height]) !== String(this.size)) [canvas.width, canvas.height] = this.size;
+  }
+
   // While the camera moves: one sample of few pixels.
   async move(renderer) {
-    const size = this.camera.movingSize();
-    renderer.begin(size, 1, this.camera.settings(size));
+    const size = this.plan.camera?.scales ? this.size.map(side => Math.ceil(side / 2)) : this.size;
+    renderer.begin(size, 1, this.camera?.settings(size));
     await renderer.render(1);
     if (renderer.blocks > 0) this.shown([0, 0], size);
     this.figures("moving", null);
@@ -134,8 +154,8 @@ class Player {
 
   // While it rests: blocks of samples, and the error at 16, 32, 64 … samples, until the camera moves.
   async rest(renderer, version) {
-    const { plan } = this;
-    renderer.begin(plan.size, SAMPLES, this.camera ? this.camera.settings(plan.size) : {});
+    const { size } = this;
+    renderer.begin(size, SAMPLES, this.camera?.settings(size));
     let [blocks, check, verdict] = [1, 2, null];
     const begin = performance.now();
     let idle = 0;
@@ -153,18 +173,18 @@ class Player {
       await renderer.render(Math.min(blocks, check - renderer.blocks), () => {
         // A picture ahead of its figures. The first block would be drawn over the last picture.
         if (renderer.blocks > 0 && performance.now() - drawn > 50) {
-          this.shown(renderer.totals.light_paths, plan.size);
+          element("samples").textContent = `${renderer.done()} per pixel, the picture is ahead`;
+          this.shown(renderer.totals.light_paths, size);
           drawn = performance.now();
         }
       });
       if (version !== this.version) return;
       const took = performance.now() - round;
       blocks = took < ROUND[0] ? 2 * blocks : took > ROUND[1] ? Math.max(blocks >> 1, 1) : blocks;
-      this.shown(renderer.totals.light_paths, plan.size);
+      this.shown(renderer.totals.light_paths, size);
       if (renderer.blocks === check) {
         check *= 2;
-        const words = await renderer.film();
-        verdict = { ...(await this.estimator.ask(plan, plan.size, words, renderer.totals, false)), samples: renderer.done() };
+        verdict = { ...(await this.ask(renderer, false)), samples: renderer.done() };
         if (version !== this.version) return;
       }
       const seconds = (performance.now() - begin - idle) / 1000;
@@ -186,7 +206,7 @@ class Player {
   }
 
   draw() {
-    if (this.last && this.renderer && !document.hidden) this.picture.draw(...this.last, this.view);
+    if (this.last && this.renderer && !document.hidden) this.picture.draw(this.renderer.buffers.film, ...this.last, this.view);
   }
 
   figures(samples, verdict, pace = null) {
@@ -198,8 +218,15 @@ class Player {
     document.body.dataset.samples = this.renderer?.done() ?? 0;
   }
 
+  // Lamps at whose edges samples may be missing are known for the view that the page was made with.
+  async ask(renderer, develops) {
+    const { plan, size, camera } = this, words = await renderer.film();
+    const film = !camera || camera.isStart(size) ? plan.film : { ...plan.film, lamps: [] };
+    return this.estimator.ask(plan, film, size, words, renderer.totals, develops);
+  }
+
   async save(renderer, kind) {
-    const picture = await this.estimator.ask(this.plan, this.plan.size, await renderer.film(), renderer.totals, true);
+    const picture = await this.ask(renderer, true);
     const blob = kind === "png" ? await png(picture, this.view) : exr(picture);
     download(blob, `${document.title.split(" ")[0]}-${renderer.done()}.${kind}`);
   }

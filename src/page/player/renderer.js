@@ -1,7 +1,7 @@
 // The pipeline: generate, then bounces of intersect, scatter, shadow and refill, and accumulate; light paths after the camera paths of a round
 // (src/render.rs).
 
-import { bufferOf, compile, fromBase64, probe } from "./device.js";
+import { bindGroup, bufferOf, compile, fromBase64, probe } from "./device.js";
 
 // The time that a submission should take, in milliseconds, and how many are in flight.
 const SUBMISSION = 25;
@@ -58,9 +58,19 @@ export class Renderer {
     }
   }
 
+  // Makes room for a film of so many pixels.
+  grow(pixels) {
+    const { device, buffers, kernels } = this, bytes = pixels * this.plan.film.bytes;
+    if (bytes <= buffers.film.size) return;
+    buffers.film.destroy();
+    buffers.film = bufferOf(device, bytes, buffers.film.usage);
+    for (const kernel of Object.values(kernels)) kernel.group = bindGroup(device, kernel.pipeline, kernel.bindings, buffers);
+  }
+
   // Begins an image of this size with so many samples of a pixel at most. `members` are those of the settings that the camera has.
   begin([width, height], samples, members = {}) {
     Object.assign(this, { size: [width, height], pixels: width * height, samples, blocks: 0 });
+    this.grow(this.pixels);
     this.settings = new DataView(fromBase64(this.plan.settings.bytes).buffer);
     const sizes = { image_width: width, image_height: height, film_width: width, film_height: height };
     Object.entries({ ...sizes, slots: this.slots, end_sample: samples, ...members }).forEach(([name, value]) => this.set(name, value));
