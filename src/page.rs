@@ -62,6 +62,11 @@ pub fn needs(plan: &Plan<'_>) -> Vec<String> {
     kernels.into_iter().chain(large).collect()
 }
 
+/// The most pixels whose film every browser holds.
+pub fn most_pixels(plan: &Plan<'_>) -> u64 {
+    BINDING_BYTES / device_bytes(&plan.options.aov, plan.kernels.light_paths)
+}
+
 /// The plan for the player, and the contents of its buffers. `film` is an empty one of the render. `fixed`: the size is not that of the reader's
 /// view.
 ///

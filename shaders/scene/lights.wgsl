@@ -154,9 +154,7 @@ fn density_of_light(index: u32, code: u32, instance: u32, from_point: vec3<f32>,
             pdf = ${name}_part_pdf(from_point, direction, moved_${name}(${name}_at(of_kind, instance), pose), part);
         }
         //@ end
-        default: {
-            return 0.0;
-        }
+        default: {}
     }
     return probability_of_light(index, from_point) * pdf * share_of_crossing(index, Ray(from_point, direction));
 }

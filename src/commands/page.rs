@@ -6,14 +6,14 @@ use clap::Args;
 
 use super::console::tell;
 use super::outputs::{check_name, make_folder};
-use super::scene::{flatten_for, load, stem_of};
+use super::scene::{flatten_for, load, stem_of, tell_biases};
 use crate::cli::SceneArgs;
 use crate::error::{Error, Result};
 use crate::gpu::device::DeviceClass;
 use crate::job::{Frame, Goal, Job, MOST_SAMPLES, Size};
 use crate::options::{RenderOptions, SIZE, Scatter};
 use crate::output::{png, writable};
-use crate::page::{Page, STORAGE_BUFFERS, needs, plan_and_data, with_camera, write_folder, write_single};
+use crate::page::{Page, STORAGE_BUFFERS, most_pixels, needs, plan_and_data, with_camera, write_folder, write_single};
 use crate::plan::Plan;
 use crate::printable::{counted, percent};
 use crate::render::{NOISE_LEVEL, empty_film};
@@ -51,12 +51,13 @@ pub fn run(args: &PageArgs) -> Result<()> {
     if !args.options.aov.is_empty() {
         return Err(Error::Usage("--aov: a page shows the image alone".to_string()));
     }
+    if args.options.scatter.is_some_and(|scatter| scatter != Scatter::Linked) {
+        return Err(Error::Usage("--scatter: the kernels of a page are linked".to_string()));
+    }
     let undone = "no page has been written";
-    match args.single {
-        true => writable::check(&args.output).map(drop).map_err(|reason| {
-            Error::Usage(format!("{}: cannot write: {reason}; {undone}", args.output.display()))
-        })?,
-        false => make_folder(&args.output, undone)?,
+    if args.single {
+        let refused = |reason| Error::Usage(format!("{}: cannot write: {reason}; {undone}", args.output.display()));
+        writable::check(&args.output).map_err(refused)?;
     }
     let scene = load(&args.scene)?;
     // A page has a kernel for each stage: one for all of them takes a browser's compiler long.
@@ -64,13 +65,26 @@ pub fn run(args: &PageArgs) -> Result<()> {
     let (size, flat) = flatten_for(&scene, args.size, &options)?;
     let max_depth = scene.render.max_depth;
     let job = |samples| Job { size, max_depth, seed: 0, first_sample: 0, goal: Goal::Samples(samples) };
+    scene.warnings().iter().chain(&flat.warnings).for_each(|warning| tell(&format!("warning: {warning}")));
+    tell_biases(&args.options, None, &scene, false);
     let flat = with_camera(flat);
     let plan = Plan::within(&flat, &options, DeviceClass::default(), &job(SAMPLES), STORAGE_BUFFERS)?;
     for need in needs(&plan) {
         tell(&format!("warning: not every browser renders this page: {need}"));
     }
+    let is_fixed = args.size.is_some() || !flat.placement.scales;
+    let (pixels, most) = (u64::from(size.0) * u64::from(size.1), most_pixels(&plan));
+    if is_fixed && pixels > most {
+        return Err(Error::Usage(format!(
+            "an image of {} x {} pixels: a page of this scene holds {most} pixels at most; give a smaller --size, and {undone}",
+            size.0, size.1
+        )));
+    }
+    if !args.single {
+        make_folder(&args.output, undone)?;
+    }
     let film = empty_film(&flat, size, &plan.options)?;
-    let (sections, data) = plan_and_data(&plan, &job(SAMPLES), &film, args.size.is_some())?;
+    let (sections, data) = plan_and_data(&plan, &job(SAMPLES), &film, is_fixed)?;
     let picture = (args.spp > 0).then(|| picture(args, &scene, &options, &job(args.spp))).transpose()?;
     let title = stem_of(&args.scene.path).to_string_lossy().into_owned();
     let page = Page { title, plan: sections, data, picture };

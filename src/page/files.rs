@@ -56,8 +56,8 @@ pub fn write_single(page: &Page, path: &Path) -> Result<()> {
     let picture = page.picture.as_ref().map_or(&[][..], |(bytes, _)| bytes);
     let picture = format!("data:image/png;base64,{}", STANDARD.encode(picture));
     let modules: String = MODULES.iter().map(|(_, text)| joined(text)).collect();
-    // Within a script, `</` would end it.
-    let plan = page.plan.to_string().replace("</", "<\\/");
+    // Within a script, these would end it or begin a comment.
+    let plan = page.plan.to_string().replace("</", "<\\/").replace("<!", "\\u003c!");
     let script = format!(
         "<script type=\"application/json\" id=\"plan\">{plan}</script>\n\
          <script type=\"text/plain\" id=\"data\">{}</script>\n\

@@ -574,7 +574,8 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     found.push((beam, RenderOptions::default()));
     let mesh = having(features(1 << KIND_TRIANGLE, 1, all(TEXTURES), SOLID, false), &["image_wrap"]);
     let mapped = with_extension(with_tables(mesh.clone(), true), "normal");
-    found.extend([mesh, mapped].map(|features| (features, RenderOptions::default())));
+    let placed = having(features(1, 1, 0, SOLID, false), &["placed"]);
+    found.extend([mesh, mapped, placed].map(|features| (features, RenderOptions::default())));
     found
 }
 

@@ -248,6 +248,21 @@ test("all can be reached by keys, and has a name", async () => {
   await page.close();
 });
 
+test("without --size the image fills the view, with the scene's proportions", async () => {
+  const file = path.join(folder, "filling.html");
+  gpuRt("page", "scenes/window.ron", "-o", file, "--single", "--spp", "0");
+  const { page, said } = await opened(`file://${file}`, page => page.setViewport({ width: 120, height: 900 }));
+  await samples(page, 8);
+  const [width, height] = await page.$eval("#view", canvas => [canvas.width, canvas.height]);
+  const inner = await page.$eval("#stage", stage => stage.clientWidth);
+  assert.ok(width === inner && Math.abs(height - (width * 400) / 640) <= 1, `${width} ${height} ${inner}`);
+  await page.setViewport({ width: 150, height: 900 });
+  await until(page, width => document.getElementById("view").width > width, width);
+  await until(page, () => document.getElementById("samples").textContent.startsWith("8 per pixel"));
+  assert.deepEqual(said, []);
+  await page.close();
+});
+
 // The page of the tests, not of another version.
 test("the player is that of the sources", () => {
   for (const name of ["film.js", "main.js"]) {

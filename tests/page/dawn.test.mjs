@@ -36,15 +36,17 @@ async function saved(film) {
   return file;
 }
 
-// Without queues, with delta lights, light paths, media, instances, textures, motion, and tables as uniforms.
-for (const [scene, rounds] of [["cornell.ron", [1, 3]], ["weekend.ron", [4]], ["motion.ron", [2]], ["window.ron", [2]], ["still-life.glb", [2]], ["cornell-smoke.ron", [2]]]) {
+// With light paths, media, instances, textures, motion, and tables as uniforms; or all scenes that ship: PAGE_SCENES=all.
+const all = () => fs.readdirSync(path.join(ROOT, "scenes")).filter(name => /\.(ron|glb|xml|pbrt)$/.test(name)).map(name => [name, [2]]);
+const some = [["cornell.ron", [1, 3]], ["weekend.ron", [4], "--sampler", "independent"], ["motion.ron", [2]], ["window.ron", [2]], ["still-life.glb", [2]], ["cornell-smoke.ron", [2]]];
+for (const [scene, rounds, ...more] of process.env.PAGE_SCENES === "all" ? all() : some) {
   test(`${scene}: the film has the bytes of a render`, async () => {
     const samples = 8 * rounds.reduce((a, b) => a + b);
-    const renderer = await rendererOf(pageOf(`scenes/${scene}`, "32x24"));
+    const renderer = await rendererOf(pageOf(`scenes/${scene}`, "32x24", ...more));
     renderer.begin(renderer.plan.size, 1 << 20);
     for (const blocks of rounds) await renderer.render(blocks);
     const film = await filmOf(renderer);
-    const { image, said } = rendered(`scenes/${scene}`, "32x24", samples);
+    const { image, said } = rendered(`scenes/${scene}`, "32x24", samples, ...more);
     const [own, host] = [readExr(await saved(film)), readExr(image)];
     for (const [name, values] of Object.entries(own.channels)) assert.equal(differing(values, host.channels[name]), 0, name);
     assert.equal(renderer.totals.rays, said.rays);
@@ -55,7 +57,7 @@ for (const [scene, rounds] of [["cornell.ron", [1, 3]], ["weekend.ron", [4]], ["
     // The program reads the file.
     gpuRt("compare", await saved(film), image);
     // Another seed is another image.
-    const other = readExr(rendered(`scenes/${scene}`, "32x24", samples, "--seed", "1").image);
+    const other = readExr(rendered(`scenes/${scene}`, "32x24", samples, "--seed", "1", ...more).image);
     assert.ok(differing(own.channels.R, other.channels.R) > 0);
     renderer.device.destroy();
   });

@@ -10,14 +10,8 @@ const KEY_SHARE = 0.9;
 export function control(canvas, camera, moved) {
   const pointers = new Map();
   const middle = () => [...pointers.values()].reduce(([x, y], [a, b]) => [x + a / pointers.size, y + b / pointers.size], [0, 0]);
-  const spread = () => {
-    const [[x, y], [a, b]] = [...pointers.values()];
-    return Math.max(Math.hypot(x - a, y - b), 1);
-  };
-  const step = act => {
-    act();
-    moved();
-  };
+  const spread = ([[x, y], [a, b]] = [...pointers.values()]) => Math.max(Math.hypot(x - a, y - b), 1);
+  const step = act => moved(act());
   canvas.addEventListener("pointerdown", event => {
     canvas.setPointerCapture(event.pointerId);
     canvas.focus({ preventScroll: true });
@@ -35,8 +29,7 @@ export function control(canvas, camera, moved) {
       if (pointers.size === 2) camera.dolly(apart / spread());
     });
   });
-  const release = event => pointers.delete(event.pointerId);
-  ["pointerup", "pointercancel"].forEach(name => canvas.addEventListener(name, release));
+  ["pointerup", "pointercancel"].forEach(name => canvas.addEventListener(name, event => pointers.delete(event.pointerId)));
   canvas.addEventListener("contextmenu", event => event.preventDefault());
   canvas.addEventListener("wheel", event => {
     event.preventDefault();
@@ -44,11 +37,9 @@ export function control(canvas, camera, moved) {
     step(() => camera.dolly(Math.exp(0.001 * lines * event.deltaY)));
   }, { passive: false });
   canvas.addEventListener("keydown", event => {
-    const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-    const arrow = arrows[event.key];
-    const acts = {
-      "+": () => camera.dolly(KEY_SHARE), "=": () => camera.dolly(KEY_SHARE), "-": () => camera.dolly(1 / KEY_SHARE), 0: () => camera.reset(),
-    };
+    const arrow = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
+    const nearer = () => camera.dolly(KEY_SHARE);
+    const acts = { "+": nearer, "=": nearer, "-": () => camera.dolly(1 / KEY_SHARE), 0: () => camera.reset() };
     const ofArrow = arrow && (() => (event.shiftKey ? camera.pan(...arrow.map(v => KEY_SHIFT * v)) : camera.orbit(KEY_TURN * arrow[0], -KEY_TURN * arrow[1])));
     const act = ofArrow ?? acts[event.key];
     if (!act || event.ctrlKey || event.metaKey) return;

@@ -68,10 +68,6 @@ export class Film {
     return pixel;
   }
 
-  *pixels() {
-    for (let index = 0; index < this.ranks.length; index++) yield [index, this.pixel(index)];
-  }
-
   mean(index) {
     return this.means.subarray(3 * index, 3 * index + 3);
   }
@@ -137,7 +133,8 @@ export class Film {
     const floor = DARK_PIXEL_FLOOR * meanLuminance * meanLuminance;
     let total = 0, count = 0;
     const ofHalves = new NoiseSum(), ofBound = new NoiseSum();
-    for (const [index, pixel] of this.pixels()) {
+    for (let index = 0; index < pixels; index++) {
+      const pixel = this.pixel(index);
       if (pixel.rejected > 0 && !hasHalves(pixel)) continue;
       const v = CHANNELS.map(c => this.variance(pixel, c));
       if (v.includes(null)) return null;
@@ -247,7 +244,8 @@ export class Film {
     const ofVariance = v => (v === null ? most : v === 0 ? 0 : Math.max(limited(v * scale * scale), 1.1754943508222875e-38));
     const pixels = this.ranks.length;
     const picture = { size: this.size, rgb: new Float32Array(3 * pixels), variance: new Float32Array(3 * pixels), samples: new Uint32Array(pixels) };
-    for (const [index, pixel] of this.pixels()) {
+    for (let index = 0; index < pixels; index++) {
+      const pixel = this.pixel(index);
       picture.samples[index] = pixel.samples;
       for (const c of CHANNELS) {
         picture.rgb[3 * index + c] = limited(pixel.means[c] * scale);

@@ -39,13 +39,11 @@ class Estimator {
     this.last = Promise.resolve();
   }
 
-  ask(plan, film, size, words, totals, develops) {
-    const answer = async () => {
-      const answered = new Promise((done, fail) => Object.assign(this.worker, { onmessage: ({ data }) => done(data), onerror: fail }));
-      const { strip_rows } = plan;
-      this.worker.postMessage({ plan: { film, strip_rows, size }, words, totals, level: LEVEL, develops }, [words]);
-      return answered;
-    };
+  ask(question, words) {
+    const answer = () => new Promise((done, fail) => {
+      Object.assign(this.worker, { onmessage: ({ data }) => done(data), onerror: fail });
+      this.worker.postMessage({ ...question, words, level: LEVEL }, [words]);
+    });
     return (this.last = this.last.then(answer));
   }
 }
@@ -67,10 +65,7 @@ class Player {
     if (this.camera) control(element("view"), this.camera, changed);
     addEventListener("resize", () => this.size && String(this.size) !== String(this.sizeOfView()) && changed());
     element("reset").hidden = !this.camera;
-    element("reset").onclick = () => {
-      this.camera.reset();
-      changed();
-    };
+    element("reset").onclick = () => changed(this.camera.reset());
     element("pause").onclick = () => {
       this.paused = !this.paused;
       element("pause").textContent = this.paused ? "Go on" : "Pause";
@@ -104,9 +99,8 @@ class Player {
     this.isFallback = isFallback;
     const renderer = new Renderer(device, this.plan, isFallback);
     renderer.slots = Math.min(renderer.slots, this.slots);
-    const told = (ready, all) => tell(`Compiling: ${ready} of ${all} kernels`);
     const rendering = async () => {
-      await renderer.prepare(this.data, told);
+      await renderer.prepare(this.data, (ready, all) => tell(`Compiling: ${ready} of ${all} kernels`));
       this.picture = new Picture(device, this.plan, element("view"));
       tell(`Rendering on ${name}.`);
       [element("view").hidden, element("figures").hidden, element("controls").hidden] = [false, false, false];
@@ -124,22 +118,19 @@ class Player {
     } finally {
       this.slots = Math.max(Math.floor(renderer.slots / 2), 1024);
       this.renderer = null;
+      this.version++;
     }
   }
 
   async run(renderer) {
-    for (;;) {
+    for (const canvas = element("view"); ; ) {
       const version = this.version;
       this.size = this.sizeOfView();
-      this.resize(element("view"));
+      // To set its size, even to what it is, makes a canvas black.
+      if (String([canvas.width, canvas.height]) !== String(this.size)) [canvas.width, canvas.height] = this.size;
       if (performance.now() - this.lastStep < REST) await this.move(renderer);
       else await this.rest(renderer, version);
     }
-  }
-
-  // To set its size, even to what it is, makes a canvas black.
-  resize(canvas) {
-    if (String([canvas.width, canvas.height]) !== String(this.size)) [canvas.width, canvas.height] = this.size;
   }
 
   // While the camera moves: one sample of few pixels.
@@ -149,7 +140,7 @@ class Player {
     await renderer.render(1);
     if (renderer.blocks > 0) this.shown([0, 0], size);
     this.figures("moving", null);
-    await this.free();
+    await wait(0);
   }
 
   // While it rests: blocks of samples, and the error at 16, 32, 64 … samples, until the camera moves.
@@ -159,15 +150,18 @@ class Player {
     let [blocks, check, verdict] = [1, 2, null];
     const begin = performance.now();
     let idle = 0;
-    while (version === this.version && renderer.done() < SAMPLES) {
+    while (version === this.version) {
       const from = performance.now();
       await this.free(() => version !== this.version);
+      // All samples have been rendered.
+      if (renderer.done() === SAMPLES && this.saves.length === 0) await wait(100);
       idle += performance.now() - from;
       if (version !== this.version) return;
       if (this.saves.length > 0 && renderer.blocks > 0) {
         await this.save(renderer, this.saves.shift());
         continue;
       }
+      if (renderer.done() === SAMPLES) continue;
       const round = performance.now();
       let drawn = 0;
       await renderer.render(Math.min(blocks, check - renderer.blocks), () => {
@@ -220,15 +214,15 @@ class Player {
 
   // Lamps at whose edges samples may be missing are known for the view that the page was made with.
   async ask(renderer, develops) {
-    const { plan, size, camera } = this, words = await renderer.film();
+    const { plan, size, camera } = this, { strip_rows } = plan, { totals } = renderer;
     const film = !camera || camera.isStart(size) ? plan.film : { ...plan.film, lamps: [] };
-    return this.estimator.ask(plan, film, size, words, renderer.totals, develops);
+    return this.estimator.ask({ plan: { film, strip_rows, size }, totals, develops }, await renderer.film());
   }
 
   async save(renderer, kind) {
     const picture = await this.ask(renderer, true);
     const blob = kind === "png" ? await png(picture, this.view) : exr(picture);
-    download(blob, `${document.title.split(" ")[0]}-${renderer.done()}.${kind}`);
+    download(blob, `${document.title.replace(/ · gpu-rt$/, "")}-${renderer.done()}.${kind}`);
   }
 }
 

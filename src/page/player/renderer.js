@@ -92,7 +92,8 @@ export class Renderer {
   async render(blocks, turn = () => {}) {
     const runs = this.plan.run_length;
     const samples = Math.min((this.blocks + blocks) * runs, this.samples) - this.done();
-    const { paths } = this.totals, traced = this.tracedLightPaths();
+    const traced = () => this.totals.light_paths[0] + this.totals.light_paths[1];
+    const before = [this.totals.paths, traced()];
     await this.window("camera", blocks, this.pixels, turn);
     if (this.kernels.light_path !== undefined) {
       await this.window("light", blocks, this.pixels * this.plan.light_paths, turn);
@@ -100,15 +101,9 @@ export class Renderer {
     if (this.stopped) return;
     // A run that is cut short has fewer light paths than others.
     const expected = this.kernels.light_path === undefined ? 0 : blocks * this.pixels * this.plan.light_paths;
-    const isRight = this.tracedLightPaths() - traced === expected || samples < blocks * runs;
-    if (this.totals.paths - paths !== samples * this.pixels || !isRight) {
-      throw new Broken("the device has left out paths");
-    }
+    const isRight = traced() - before[1] === expected || samples < blocks * runs;
+    if (this.totals.paths - before[0] !== samples * this.pixels || !isRight) throw new Broken("the device has left out paths");
     this.blocks += blocks;
-  }
-
-  tracedLightPaths() {
-    return this.totals.light_paths[0] + this.totals.light_paths[1];
   }
 
   stop() {

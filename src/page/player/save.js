@@ -81,13 +81,10 @@ export function exr({ size: [width, height], rgb, variance, samples }) {
   const header = [
     ...ints(20000630, 2),
     ...attribute("channels", "chlist", [...list, 0]),
-    ...attribute("compression", "compression", [0]),
-    ...attribute("dataWindow", "box2i", box),
-    ...attribute("displayWindow", "box2i", box),
-    ...attribute("lineOrder", "lineOrder", [0]),
-    ...attribute("pixelAspectRatio", "float", floats(1)),
+    ...["compression", "lineOrder"].flatMap(name => attribute(name, name, [0])),
+    ...["dataWindow", "displayWindow"].flatMap(name => attribute(name, "box2i", box)),
+    ...["pixelAspectRatio", "screenWindowWidth"].flatMap(name => attribute(name, "float", floats(1))),
     ...attribute("screenWindowCenter", "v2f", floats(0, 0)),
-    ...attribute("screenWindowWidth", "float", floats(1)),
     0,
   ];
   const row = 8 + 4 * width * channels.length, first = header.length + 8 * height;
