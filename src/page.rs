@@ -57,8 +57,8 @@ pub fn needs(plan: &Plan<'_>) -> Vec<String> {
     let kernels = (storage > STORAGE_BUFFERS)
         .then(|| format!("a kernel binds {storage} storage buffers, and WebGPU guarantees {STORAGE_BUFFERS}"));
     let large = plan.buffers().into_iter().filter(|buffer| !buffer.contents.is_empty() && buffer.bytes > BINDING_BYTES);
-    let large =
-        large.map(|buffer| format!("`{}` has {} bytes, and WebGPU guarantees {BINDING_BYTES}", buffer.name, buffer.bytes));
+    let large = large
+        .map(|buffer| format!("`{}` has {} bytes, and WebGPU guarantees {BINDING_BYTES}", buffer.name, buffer.bytes));
     kernels.into_iter().chain(large).collect()
 }
 

@@ -42,7 +42,8 @@ fn shipped_scenes_keep_within_the_limits_of_every_browser() {
         assert_eq!(needs(&plan), Vec::<String>::new(), "{name}");
         for kernel in plan.kernels() {
             let count = |is: fn(BindingKind) -> bool| kernel.bindings.values().filter(|own| is(own.kind)).count();
-            let (uniform, storage) = (count(|kind| kind == BindingKind::Uniform), count(|kind| kind != BindingKind::Uniform));
+            let (uniform, storage) =
+                (count(|kind| kind == BindingKind::Uniform), count(|kind| kind != BindingKind::Uniform));
             assert!(storage <= STORAGE_BUFFERS && uniform <= UNIFORM_BUFFERS, "{name}: {} {storage}", kernel.name);
             let shared = |(_, variable): (_, &naga::GlobalVariable)| variable.space == naga::AddressSpace::WorkGroup;
             assert!(!kernel.module.global_variables.iter().any(shared), "{name}: {} has workgroup memory", kernel.name);

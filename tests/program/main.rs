@@ -36,3 +36,4 @@ mod terminal;
 mod tutorial;
 #[cfg(unix)]
 mod watch;
+mod web_page;
