@@ -23,6 +23,7 @@ use super::sky::SKY;
 use super::types::*;
 use super::write::relative;
 use super::{gltf, image_files, mesh_files, validate};
+use crate::bitmap::Decoding;
 use crate::error::{Error, Result};
 use crate::printable::one_line;
 use crate::shape::Aabb;
@@ -309,10 +310,13 @@ fn of_another(
     let defines = if is_pbrt(path) { options.defines.clone() } else { Vec::new() };
     GltfOptions { defines, lossless: false, ..options.clone() }.refuse(path, false)?;
     let read = if is_pbrt(path) { pbrt::contents } else { mitsuba::contents };
-    let Imported { parts, meshes, notes, files, places, findings, .. } = read(path, to, options, progress, assets)?;
-    let made = meshes.keys().cloned().collect();
+    let Imported { parts, meshes, images, notes, files, places, findings, .. } =
+        read(path, to, options, progress, assets)?;
+    let made = meshes.keys().chain(images.keys()).cloned().collect();
+    let mut bitmaps = Bitmaps::default();
+    images.into_iter().for_each(|(path, image)| bitmaps.insert(&path, Decoding::Colour, image));
     let scene = Scene::of_parts(parts, Source::with_places(to, places));
-    let mut scene = Scene { meshes, made, notes, libraries: files, ..scene };
+    let mut scene = Scene { meshes, bitmaps, made, notes, libraries: files, ..scene };
     finish(&mut scene, findings, progress, assets)?;
     Ok(scene.in_frame(options.frame))
 }

@@ -9,6 +9,7 @@ mod material;
 mod params;
 mod reader;
 mod shape;
+mod texture;
 mod tokens;
 
 use std::io::Read;
@@ -23,7 +24,7 @@ use super::file::{self, LONGEST_SCENE, OnProgress};
 use super::gltf_options::GltfOptions;
 use super::gltf_path::has_ending;
 use super::imported::transform::look_at;
-use super::imported::{Imported, Place};
+use super::imported::{Imported, Place, bodies};
 use crate::error::{Error, Result};
 use crate::printable::quote;
 use params::Params;
@@ -52,7 +53,8 @@ pub fn contents<'a>(
     let made = Imported::new(path, to, options, assets);
     let mut run = Run { reader: Reader::new(path, made), states: Vec::new(), open: Vec::new(), camera: None };
     run.file(path, progress)?;
-    let Run { reader: Reader { mut made, in_world, .. }, states, .. } = run;
+    let Run { reader: Reader { mut made, in_world, bodies, camera, .. }, states, .. } = run;
+    bodies::tell(&bodies, camera, "pbrt", &mut made);
     if let Some((_, at)) = states.last() {
         made.findings.refuse(at.error("AttributeBegin", "expected its end before that of the file"));
     }
@@ -262,7 +264,7 @@ impl Run<'_> {
             return Err(params.error(format!("expected float or spectrum, found {}", quote(kind))).into());
         }
         let is_colour = kind == "spectrum";
-        let found = material::texture(class, is_colour, &params, &mut self.reader)?;
+        let found = texture::texture(class, is_colour, &params, &mut self.reader)?;
         self.reader.textures.insert((is_colour, name.to_owned()), found);
         Ok(())
     }
@@ -350,7 +352,7 @@ impl Run<'_> {
                 let inside = tokens.text(word, "the name of a medium")?;
                 let has_outside = matches!(tokens.peek()?, Some(Token::Text(_)));
                 let outside = if has_outside { tokens.text(word, "a name")? } else { inside };
-                reader.state.inside = inside.to_owned();
+                (reader.state.inside, reader.state.has_outside) = (inside.to_owned(), !outside.is_empty());
                 if !outside.is_empty() && outside != inside {
                     reader.made.lose(at, word, "the medium outside is not used: media are where their shapes are");
                 }

@@ -7,6 +7,7 @@ use std::rc::Rc;
 use glam::{DAffine3, DVec2, DVec3};
 
 use super::params::{Param, Params};
+use crate::scene::imported::bodies::Body;
 use crate::scene::imported::surface::Medium;
 use crate::scene::imported::{Imported, Place};
 use crate::scene::types::*;
@@ -61,8 +62,9 @@ pub struct State {
     pub is_in_mirror: bool,
     /// Whether transforms are of the end of motion alone, which is not read.
     pub is_at_end: bool,
-    /// The name of the medium inside of shapes.
+    /// The name of the medium inside of shapes, and whether that outside has one.
     pub inside: String,
+    pub has_outside: bool,
     /// The parameters of all shapes, lights and so on.
     pub defaults: HashMap<&'static str, Vec<Param>>,
 }
@@ -90,6 +92,10 @@ pub struct Reader<'a> {
     pub textures: HashMap<(bool, String), (Texture, Mapping)>,
     /// The mapping of the textures that a surface has so far.
     pub mapping: Option<Mapping>,
+    /// The shapes that may be inside of others, or around them.
+    pub bodies: Vec<Body>,
+    /// The camera, unless it names the medium around it.
+    pub camera: Option<(Place, String, DVec3)>,
     pub media: HashMap<String, (Medium, Place)>,
     pub definitions: HashMap<String, Rc<Definition>>,
     /// The object that is being defined.
@@ -119,6 +125,8 @@ impl<'a> Reader<'a> {
             areas: Vec::new(),
             textures: HashMap::new(),
             mapping: None,
+            bodies: Vec::new(),
+            camera: None,
             media: HashMap::new(),
             definitions: HashMap::new(),
             definition: None,

@@ -1,23 +1,28 @@
 //! Shapes: as our own where they are the same, as meshes elsewhere.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
+use std::path::PathBuf;
 use std::rc::Rc;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec2};
 
-use super::material::{lambertian, number_or};
+use super::material::lambertian;
 use super::params::Params;
 use super::reader::{AS_THEY_ARE, Mapping, On, Reader, State};
+use super::texture::number_or;
 use crate::error::Result;
 use crate::printable::quote;
 use crate::scene::draft::{Draft, MOST_BYTES};
 use crate::scene::file::OnProgress;
+use crate::scene::imported::bodies::Body;
 use crate::scene::imported::surface::Medium;
 use crate::scene::imported::transform::moved;
 use crate::scene::imported::{Place, mesh, surface as surfaces};
 use crate::scene::mesh_files::load_file;
 use crate::scene::types::*;
+use crate::shape::Aabb;
 use crate::shape::mesh::Mesh;
 
 const KNOWN: &str = "sphere, disk, cylinder, trianglemesh, bilinearmesh, plymesh";
@@ -45,7 +50,7 @@ pub fn shape(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mu
             Some(reader.media.get(name).cloned().ok_or_else(missing)?)
         }
     };
-    let look = surface(kind, params, inside.as_ref().map(|(medium, _)| medium), reader)?;
+    let look = surface(kind, params, inside.as_ref().map(|(medium, _)| medium), progress, reader)?;
     // A mirror image of a quadric is inside out in pbrt, that of a mesh or an instance is not.
     let mirrors = (by.matrix3.determinant() < 0.0) != reader.state.is_in_mirror;
     let flips = reader.state.is_reversed != mirrors;
@@ -60,21 +65,23 @@ pub fn shape(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mu
             let placed = by * DAffine3::from_translation(DVec3::new(0.0, 0.0, low)) * scale;
             made(params, mesh::cylinder(turn), &placed, flips, look, reader)
         }
-        "trianglemesh" => {
-            let mesh = faces(params, [Vec2::ZERO, Vec2::X, Vec2::ONE], &[[0, 1, 2]], look.1.is_some())?;
-            made(params, mesh, &by, reader.state.is_reversed, look, reader)
-        }
-        "bilinearmesh" => {
-            let usual = [Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE];
-            let mesh = faces(params, usual, &[[0, 1, 3], [0, 3, 2]], look.1.is_some())?;
-            made(params, mesh, &by, reader.state.is_reversed, look, reader)
-        }
         "plymesh" => file_mesh(params, &by, look, progress, reader)?,
+        _ if let Some(mesh) = mesh_of(kind, params, look.1.is_some())? => {
+            made(params, mesh, &by, reader.state.is_reversed, look, reader)
+        }
         _ => return Err(params.error(format!("this shape is not read: expected one of {KNOWN}"))),
     };
     reader.end(params);
+    let is_glass = is_glass(reader);
     // Glass has the absorption of a medium that scatters nothing.
-    if let Some((medium, at)) = inside.filter(|(medium, _)| !(medium.albedo == Colour::ZERO && is_glass(reader))) {
+    let inside = inside.filter(|(medium, _)| !(medium.albedo == Colour::ZERO && is_glass));
+    let (emits, has_medium) = (reader.state.area.is_some(), inside.is_some());
+    if (is_glass || emits || has_medium) && reader.definition.is_none() {
+        let around = Aabb::around(bounds(kind, params, progress, reader)?.corners().map(|p| by.transform_point3(p)));
+        let (at, title) = (params.at.clone(), params.title.clone());
+        reader.bodies.push(Body { at, title, around, is_glass, emits, has_medium });
+    }
+    if let Some((medium, at)) = inside {
         if medium.extinction != Colour::splat(medium.extinction.x) {
             let found = medium.extinction.to_array();
             let message =
@@ -118,18 +125,25 @@ pub fn instance(name: &str, at: &Place, progress: &mut OnProgress, reader: &mut 
 }
 
 /// The name of the material of a shape, which may emit and have an alpha, or nothing for an interface; and the mapping of its textures.
-fn surface(kind: &str, params: &Params, inside: Option<&Medium>, reader: &mut Reader) -> Result<On> {
+fn surface(
+    kind: &str,
+    params: &Params,
+    inside: Option<&Medium>,
+    progress: &mut OnProgress,
+    reader: &mut Reader,
+) -> Result<On> {
     reader.mapping = reader.looks[reader.state.look].mapping;
     let alpha = number_or(params, "alpha", 1.0, reader)?;
     let absorption = inside.filter(|medium| medium.albedo == Colour::ZERO).map(|medium| medium.extinction);
-    let area = reader.state.area.and_then(|area| reader.areas.get(area));
-    let power = if area.is_some_and(|area| area.is_power) { unit_power(kind, params)? } else { 1.0 };
+    let area = reader.state.area.filter(|area| reader.areas.get(*area).is_some_and(|area| area.is_power));
+    let power = if area.is_some() { unit_power(kind, params, progress, reader)? } else { 1.0 };
     let key = (reader.state.look, reader.state.area, format!("{alpha:?} {absorption:?} {power}"));
     if let Some(known) = reader.known.get(&key) {
         return Ok(known.clone());
     }
     let look = &reader.looks[key.0];
     let (mut found, name, at) = (look.material.clone(), look.name.clone(), look.at.clone());
+    let area = reader.state.area.and_then(|area| reader.areas.get(area));
     let light = area.map(|area| (area.radiance / power, area.is_two_sided, area.at.clone()));
     if let Some(slot) = found.as_mut().and_then(surfaces::absorption_of) {
         *slot = absorption;
@@ -157,13 +171,30 @@ fn surface(kind: &str, params: &Params, inside: Option<&Medium>, reader: &mut Re
     Ok(made)
 }
 
+/// A box around a shape before its transform.
+fn bounds(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mut Reader) -> Result<Aabb> {
+    let number = |name, usual| params.number_or(name, usual);
+    let radius = number("radius", 1.0)?;
+    let (low, high) = match kind {
+        "plymesh" => return Ok(read_file(params, progress, reader)?.bounds()),
+        "trianglemesh" | "bilinearmesh" => return Ok(Aabb::around(params.points("P")?)),
+        "disk" => (number("height", 0.0)?, number("height", 0.0)?),
+        "cylinder" => (number("zmin", -1.0)?, number("zmax", 1.0)?),
+        _ => (-radius, radius),
+    };
+    Ok(Aabb { min: DVec3::new(-radius, -radius, low), max: DVec3::new(radius, radius, high) })
+}
+
 fn is_glass(reader: &Reader) -> bool {
     let material = reader.looks.get(reader.state.look).and_then(|look| look.material.as_ref());
     matches!(material, Some(Material::Dielectric(_) | Material::RoughDielectric(_)))
 }
 
-/// The power of a shape with a radiance of 1: π times the area that pbrt counts, before the transform.
-fn unit_power(kind: &str, params: &Params) -> Result<f64> {
+/// The power of a shape with a radiance of 1: π times the area that pbrt counts, which is that before the transform, or that of one face of a mesh.
+fn unit_power(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mut Reader) -> Result<f64> {
+    if kind.ends_with("mesh") {
+        return Ok(PI * of_face(kind, params, progress, reader)?);
+    }
     let ((radius, turn), number) = (radius_and_turn(params)?, |name, usual| params.number_or(name, usual));
     let area = match kind {
         "disk" => PI * turn * (radius * radius - number("innerradius", 0.0)?.powi(2)),
@@ -171,9 +202,42 @@ fn unit_power(kind: &str, params: &Params) -> Result<f64> {
             2.0 * PI * turn * radius * (number("zmax", radius)?.min(radius) - number("zmin", -radius)?.max(-radius))
         }
         "cylinder" => 2.0 * PI * turn * radius * (number("zmax", 1.0)? - number("zmin", -1.0)?),
-        _ => return Err(params.error("the power of its light is not read here: give the light its scale")),
+        _ => return Ok(PI),
     };
     Ok(PI * area)
+}
+
+/// The area of each face of a mesh: in pbrt each has all of the power.
+fn of_face(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mut Reader) -> Result<f64> {
+    let mesh = match mesh_of(kind, params, false)? {
+        Some(mesh) => Arc::new(mesh),
+        None => read_file(params, progress, reader)?,
+    };
+    let of_two = if kind == "bilinearmesh" { 2 } else { 1 };
+    let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
+    for (number, triangle) in mesh.triangles.iter().enumerate() {
+        let corner = |corner: u32| mesh.positions.get(corner as usize).copied().unwrap_or_default();
+        let [a, b, c] = triangle.map(|own| reader.state.ctm.transform_point3(corner(own)));
+        *areas.entry(mesh.face(number) / of_two).or_default() += 0.5 * (b - a).cross(c - a).length();
+    }
+    let (least, most) = areas.values().fold((f64::MAX, 0.0), |(least, most), own| (own.min(least), own.max(most)));
+    match most - least <= 1e-3 * most && most > 0.0 {
+        true => Ok(most),
+        false => Err(params
+            .error("expected faces of one area, each of which has the power of its light: give the light its scale")),
+    }
+}
+
+/// The mesh that the directive itself has, if it has one.
+fn mesh_of(kind: &str, params: &Params, is_textured: bool) -> Result<Option<Mesh>> {
+    Ok(match kind {
+        "trianglemesh" => Some(faces(params, [Vec2::ZERO, Vec2::X, Vec2::ONE], &[[0, 1, 2]], is_textured)?),
+        "bilinearmesh" => {
+            let usual = [Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE];
+            Some(faces(params, usual, &[[0, 1, 3], [0, 3, 2]], is_textured)?)
+        }
+        _ => None,
+    })
 }
 
 /// The radius of a quadric, and its share of a turn.
@@ -294,8 +358,7 @@ fn file_mesh(
     progress: &mut OnProgress,
     reader: &mut Reader,
 ) -> Result<Object> {
-    let name = params.word("filename")?.ok_or_else(|| params.error("expected its filename"))?;
-    let path = reader.resolve(name, params.place_of("filename"));
+    let path = ply_path(params, reader)?;
     if params.has("displacement") {
         return Err(params.error_at("displacement", "a displacement is not read"));
     }
@@ -304,11 +367,25 @@ fn file_mesh(
     if let Some(object) = moved(by, object).filter(|_| is_as_it_is) {
         return Ok(object);
     }
-    let broken = |reason: String| params.error_at("filename", format!("{}: {reason}", path.display()));
-    reader.made.assets.stamp_files(&path);
-    let (read, ..) = load_file(&path, MOST_BYTES, progress).map_err(broken)?;
-    let mut mesh = Arc::unwrap_or_clone(read);
+    let mut mesh = Arc::unwrap_or_clone(read_file(params, progress, reader)?);
     placed(&mut mesh, by, reader.state.is_reversed, look.1);
-    reader.made.files.push(path);
     Ok(reader.made.add_mesh(mesh, look.0, &params.at))
+}
+
+fn ply_path(params: &Params, reader: &Reader) -> Result<PathBuf> {
+    let name = params.word("filename")?.ok_or_else(|| params.error("expected its filename"))?;
+    Ok(reader.resolve(name, params.place_of("filename")))
+}
+
+fn read_file(params: &Params, progress: &mut OnProgress, reader: &mut Reader) -> Result<Arc<Mesh>> {
+    let path = ply_path(params, reader)?;
+    let broken = |reason: String| params.error_at("filename", format!("{}: {reason}", path.display()));
+    let files = reader.made.assets.stamp_files(&path);
+    reader.made.files.push(path.clone());
+    if let Some((known, _)) = reader.made.assets.mesh(&path, &files) {
+        return Ok(known);
+    }
+    let (read, left) = load_file(&path, MOST_BYTES, progress).map_err(broken)?;
+    reader.made.assets.keep_mesh(&path, files, (Arc::clone(&read), MOST_BYTES - left));
+    Ok(read)
 }
