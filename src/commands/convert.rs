@@ -58,17 +58,19 @@ pub fn run(args: &ConvertArgs) -> Result<()> {
     // Also the files that the scene names: their names may end in .ron.
     check_inputs(to, assets.files.keys().collect())?;
     scene.warnings().iter().for_each(|warning| tell(&format!("warning: {warning}")));
-    let beside = |path: &str| match to.with_file_name(path) {
-        path if path.exists() && !args.force => {
-            Err(refused(format!("{} is there already: --force overwrites it", path.display())))
+    let (meshes, images): (Vec<_>, Vec<_>) = (scene.made_meshes().collect(), scene.made_images().collect());
+    for name in meshes.iter().map(|(name, _)| name).chain(images.iter().map(|(name, _)| name)) {
+        let path = to.with_file_name(name);
+        check_inputs(&path, assets.files.keys().collect())?;
+        if path.exists() && !args.force {
+            return Err(refused(format!("{} is there already: --force overwrites it", path.display())));
         }
-        path => check_inputs(&path, assets.files.keys().collect()).map(|()| path),
-    };
-    for (path, mesh) in scene.made_meshes() {
-        atomic::replace_if(&beside(path)?, |file| write_ply(mesh, file), || Ok(()))?;
     }
-    for (path, image) in scene.made_images() {
-        atomic::replace_if(&beside(path)?, |file| write_exr(image, file), || Ok(()))?;
+    for (name, mesh) in meshes {
+        atomic::replace_if(&to.with_file_name(name), |file| write_ply(mesh, file), || Ok(()))?;
+    }
+    for (name, image) in images {
+        atomic::replace_if(&to.with_file_name(name), |file| write_exr(image, file), || Ok(()))?;
     }
     atomic::replace_if(to, |file| std::io::Write::write_all(file, scene.text().as_bytes()), may)
 }

@@ -102,14 +102,16 @@ impl Loader<'_> {
             let part = part.map_or(String::new(), |part| part.to_json());
             broken(GltfError::new(part, reason))
         };
-        if let Some(made) = self.scene.bitmaps.colours(path) {
+        let is_first = self.found.insert(path.to_owned());
+        if let (true, Some(made)) = (is_first, self.scene.bitmaps.colours(path)) {
+            // No file has it.
             let size = (made.width as usize, made.height as usize);
             self.budget.check(size, |_| made.bytes(), 0).map_err(wrong)?;
-            self.bitmaps.insert(path, decoding, made.clone());
-            if self.found.insert(path.to_owned()) {
-                self.budget.add(path, made);
+            self.budget.add(path, made);
+            for decoding in self.wanted.remove(path).unwrap_or_default() {
+                self.bitmaps.insert(path, decoding, made.clone());
             }
-        } else if self.found.insert(path.to_owned()) {
+        } else if is_first {
             let files = self.assets.stamp_files(&file);
             match self.reading {
                 Reading::IfThere => _ = file::find(&name, "image", file::LONGEST).map_err(wrong)?,

@@ -1,6 +1,7 @@
 //! Scenes of other programs: what their readers make, and the shapes, spectra and transforms that they share.
 
 pub mod bodies;
+mod image;
 pub mod mesh;
 pub mod spectrum;
 pub mod surface;
@@ -16,13 +17,12 @@ use super::assets::Assets;
 use super::draft::{MOST_BYTES, too_large};
 use super::findings::Findings;
 use super::gltf_options::GltfOptions;
-use super::image_files;
 use super::recover::Parts;
 use super::types::*;
 use super::write::named;
-use crate::bitmap::Decoding;
 use crate::error::{Error, Location};
 use crate::shape::mesh::Mesh;
+pub use image::Part;
 pub use write::{write_exr, write_ply};
 
 /// A place in a file.
@@ -55,9 +55,9 @@ pub struct Imported<'a> {
     is_in_place: bool,
     lossless: bool,
     pub parts: Parts,
-    /// The meshes and images that are in no file, by their paths.
+    /// The meshes and images that are in no file, by their paths. The images have any format, as colours.
     pub meshes: BTreeMap<String, Arc<Mesh>>,
-    pub images: BTreeMap<String, Bitmap>,
+    pub images: Bitmaps,
     /// The bytes that are left for them.
     room: usize,
     pub notes: Vec<String>,
@@ -82,7 +82,7 @@ impl<'a> Imported<'a> {
             lossless: options.lossless,
             parts: Parts::default(),
             meshes: BTreeMap::new(),
-            images: BTreeMap::new(),
+            images: Bitmaps::default(),
             room: MOST_BYTES,
             notes: Vec::new(),
             files: Vec::new(),
@@ -146,28 +146,15 @@ impl<'a> Imported<'a> {
         Object::Mesh { path, material }
     }
 
-    /// Adds an image that no file has, as a mesh is added, and tells its path. Equal images are one.
-    pub fn add_image(&mut self, image: Bitmap) -> String {
-        if let Some((path, _)) = self.images.iter().find(|(_, own)| **own == image) {
-            return path.clone();
+    /// Adds a file that was read.
+    pub fn add_file(&mut self, file: &Path) {
+        if !self.files.iter().any(|known| known == file) {
+            self.files.push(file.to_owned());
         }
-        let path = self.path_of_made("images", self.images.len(), "exr");
-        self.images.insert(path.clone(), image);
-        path
-    }
-
-    /// An image by its path in the scene, of a file or of none.
-    pub fn image(&mut self, path: &str, decoding: Decoding) -> std::result::Result<Bitmap, String> {
-        if let Some(own) = self.images.get(path) {
-            return Ok(own.clone());
-        }
-        let file = self.to.parent().unwrap_or(Path::new("")).join(path);
-        self.files.push(file.clone());
-        image_files::load(&file, decoding, self.assets)
     }
 
     /// Takes bytes for what no file has.
-    pub fn take_room(&mut self, bytes: usize) -> std::result::Result<(), String> {
+    fn take_room(&mut self, bytes: usize) -> std::result::Result<(), String> {
         self.room = self.room.checked_sub(bytes).ok_or_else(too_large)?;
         Ok(())
     }

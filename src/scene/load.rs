@@ -23,7 +23,6 @@ use super::sky::SKY;
 use super::types::*;
 use super::write::relative;
 use super::{gltf, image_files, mesh_files, validate};
-use crate::bitmap::Decoding;
 use crate::error::{Error, Result};
 use crate::printable::one_line;
 use crate::shape::Aabb;
@@ -312,11 +311,9 @@ fn of_another(
     let read = if is_pbrt(path) { pbrt::contents } else { mitsuba::contents };
     let Imported { parts, meshes, images, notes, files, places, findings, .. } =
         read(path, to, options, progress, assets)?;
-    let made = meshes.keys().chain(images.keys()).cloned().collect();
-    let mut bitmaps = Bitmaps::default();
-    images.into_iter().for_each(|(path, image)| bitmaps.insert(&path, Decoding::Colour, image));
+    let made = meshes.keys().chain(images.paths()).cloned().collect();
     let scene = Scene::of_parts(parts, Source::with_places(to, places));
-    let mut scene = Scene { meshes, bitmaps, made, notes, libraries: files, ..scene };
+    let mut scene = Scene { meshes, bitmaps: images, made, notes, libraries: files, ..scene };
     finish(&mut scene, findings, progress, assets)?;
     Ok(scene.in_frame(options.frame))
 }

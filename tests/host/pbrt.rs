@@ -221,11 +221,11 @@ fn errors_have_places() {
         ),
         (
             "Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"a.png\"",
-            "a.pbrt:4:30: Texture imagemap.filename: a.png: cannot read the image",
+            "a.pbrt:4:32: Texture imagemap.filename: a.png: cannot read the image",
         ),
         (
             "Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"a.png\" \"string encoding\" \"gamma 0\"",
-            "a.pbrt:4:56: Texture imagemap.encoding: expected sRGB, linear, or gamma and a number above 0",
+            "a.pbrt:4:58: Texture imagemap.encoding: expected sRGB, linear, or gamma and a number above 0",
         ),
         (
             "Texture \"a\" \"float\" \"checkerboard\" Texture \"b\" \"float\" \"mix\" \"texture amount\" \"a\"",

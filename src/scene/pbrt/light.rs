@@ -99,8 +99,8 @@ pub fn light(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
             reader.made.parts.background = Some(match path {
                 None => Background::Solid(tint),
                 Some(path) => {
-                    let turned = turns(&ctm);
-                    let by = turned.ok_or_else(|| params.error("expected a transform that turns the sky alone"))?;
+                    let by =
+                        turns(&ctm).ok_or_else(|| params.error("expected a transform that turns the sky alone"))?;
                     Background::Image { path, tint, by, layout: SkyLayout::Octahedral }
                 }
             });

@@ -126,10 +126,8 @@ fn coated(params: &Params, reader: &mut Reader) -> Result<Material> {
 /// A matt body that lets light pass.
 fn translucent(params: &Params, reader: &mut Reader) -> Result<Material> {
     let scale = params.number_or("scale", 1.0)?;
-    let mut share = |name| match texture_or(params, name, 0.25, reader)? {
-        Texture::Rgb(r, g, b) => Ok(scale * Colour::new(r, g, b)),
-        _ => Err(params.error_at(name, "a texture of diffusetransmission is not read")),
-    };
+    let wrong = |name| move || params.error_at(name, "a texture of diffusetransmission is not read");
+    let mut share = |name| Ok(scale * texture_or(params, name, 0.25, reader)?.plain().ok_or_else(wrong(name))?);
     let (reflected, passed) = (share("reflectance")?, share("transmittance")?);
     let (of_reflected, of_passed) = (reflected.max_element(), passed.max_element());
     let sum = of_reflected + of_passed;
@@ -157,11 +155,10 @@ fn conductor(params: &Params, reader: &mut Reader) -> Result<Material> {
             return Err(params.error("expected a reflectance, or eta and k, found both"));
         }
         true => {
-            let Texture::Rgb(r, g, b) = texture_or(params, "reflectance", 0.5, reader)? else {
-                return Err(params.error_at("reflectance", "a texture of a conductor is not read"));
-            };
+            let wrong = || params.error_at("reflectance", "a texture of a conductor is not read");
+            let own = texture_or(params, "reflectance", 0.5, reader)?.plain().ok_or_else(wrong)?;
             // As pbrt makes them of a reflectance.
-            let reflectance = Colour::new(r, g, b).clamp(Colour::ZERO, Colour::splat(0.9999));
+            let reflectance = own.clamp(Colour::ZERO, Colour::splat(0.9999));
             (Colour::ONE, reflectance.map(|r| 2.0 * r.sqrt() / (1.0 - r).sqrt()))
         }
         false => (of_metal(params, "eta", 0)?, of_metal(params, "k", 3)?),

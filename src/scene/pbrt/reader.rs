@@ -7,6 +7,7 @@ use std::rc::Rc;
 use glam::{DAffine3, DVec2, DVec3};
 
 use super::params::{Param, Params};
+use crate::scene::file::OnProgress;
 use crate::scene::imported::bodies::Body;
 use crate::scene::imported::surface::Medium;
 use crate::scene::imported::{Imported, Place};
@@ -78,8 +79,9 @@ pub struct Definition {
     pub shapes: Vec<(String, Params, State)>,
 }
 
-pub struct Reader<'a> {
+pub struct Reader<'a, 'p> {
     pub made: Imported<'a>,
+    pub progress: &'p mut OnProgress<'p>,
     /// The folder of the scene's first file.
     pub folder: PathBuf,
     pub state: State,
@@ -105,8 +107,8 @@ pub struct Reader<'a> {
     pub film: Film,
 }
 
-impl<'a> Reader<'a> {
-    pub fn new(path: &Path, mut made: Imported<'a>) -> Reader<'a> {
+impl<'a, 'p> Reader<'a, 'p> {
+    pub fn new(path: &Path, mut made: Imported<'a>, progress: &'p mut OnProgress<'p>) -> Reader<'a, 'p> {
         made.parts.objects = Some(Vec::new());
         made.parts.render = RenderDefaults { samples: 16, max_depth: 5 };
         made.parts.image = Some(ImageSize { width: 1280, height: 720 });
@@ -116,6 +118,7 @@ impl<'a> Reader<'a> {
         let first = Look { material: Some(Material::Lambertian(matt)), mapping: None, name: "default".to_owned(), at };
         Reader {
             made,
+            progress,
             folder: path.parent().unwrap_or(Path::new("")).to_owned(),
             state: State::default(),
             in_world: false,

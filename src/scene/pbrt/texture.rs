@@ -10,6 +10,7 @@ use crate::bitmap::{Channel, Decoding, from_srgb};
 use crate::error::Result;
 use crate::printable::quote;
 use crate::scene::gltf_path::has_ending;
+use crate::scene::imported::Part;
 use crate::scene::types::*;
 
 /// The texture of a directive.
@@ -34,10 +35,8 @@ pub fn texture(kind: &str, is_colour: bool, params: &Params, reader: &mut Reader
             if params.integer_or("dimension", 2)? != 2 {
                 return Err(params.error_at("dimension", "expected 2: others are not read"));
             }
-            let mut plain = |name, default| match one(name, default, reader)? {
-                Texture::Rgb(r, g, b) => Ok(Colour::new(r, g, b)),
-                _ => Err(params.error_at(name, "a texture in a checkerboard is not read")),
-            };
+            let wrong = |name| move || params.error_at(name, "a texture in a checkerboard is not read");
+            let mut plain = |name, default| one(name, default, reader)?.plain().ok_or_else(wrong(name));
             Texture::Checker { scale: 0.5, even: plain("tex1", 1.0)?, odd: plain("tex2", 0.0)?, uv: true }
         }
         "imagemap" => image_map(is_colour, params, reader)?,
@@ -114,8 +113,8 @@ fn image_map(is_colour: bool, params: &Params, reader: &mut Reader) -> Result<Te
     Ok(if inverts { own } else { own.map(|tint| scale * tint) })
 }
 
-/// A texture whose values are made of those of others: where they are images, an image that no file has. pbrt makes them of what it interpolates between
-/// texels, which is the same unless an image is multiplied by the last one.
+/// A texture whose values are `of` those of others: where they are images, an image that no file has. pbrt takes `of` what it interpolates between texels,
+/// which is the same unless an image is multiplied by the last one.
 fn baked<const N: usize>(
     params: &Params,
     is_colour: bool,
@@ -123,74 +122,30 @@ fn baked<const N: usize>(
     of: impl Fn([Colour; N]) -> Colour,
     reader: &mut Reader,
 ) -> Result<Texture> {
-    let mut sources = Vec::with_capacity(N);
-    for part in &parts {
-        sources.push(match (part, part.plain()) {
+    let mut sources: [Part; N] = std::array::from_fn(|_| (None, Colour::ZERO));
+    for (source, part) in sources.iter_mut().zip(&parts) {
+        *source = match (part, part.plain()) {
             (_, Some(colour)) => (None, colour),
             (Texture::Image { path, tint, channel, .. }, _) => {
                 let image = reader.made.image(path, channel.map_or(Decoding::Colour, Channel::decoding));
                 (Some(image.map_err(|reason| params.error(format!("{path}: {reason}")))?), *tint)
             }
             _ => return Err(params.error("a checkerboard in it is not read")),
-        });
-    }
-    let value = |at: [u32; 2], size: [u32; 2], wrap: Wrap| {
-        let of_part = |(image, tint): &(Option<Bitmap>, Colour)| match image {
-            Some(image) => *tint * resampled(image, at, size, wrap),
-            None => *tint,
         };
-        of(std::array::from_fn(|part| sources.get(part).map_or(Colour::ZERO, of_part)))
-    };
-    let images: Vec<&Bitmap> = sources.iter().filter_map(|(image, _)| image.as_ref()).collect();
-    let Some(largest) = images.iter().max_by_key(|image| image.len()) else {
-        return Ok(value([0; 2], [0; 2], Wrap::Repeat).into());
-    };
-    let mut wraps = parts.iter().filter(|part| part.decoded().is_some()).map(Texture::wrap);
-    let (wrap, size) = (wraps.next().unwrap_or_default(), [largest.width, largest.height]);
-    if wraps.any(|other| other != wrap) {
+    }
+    let mut images = parts.iter().zip(&sources).filter_map(|(part, (image, _))| Some((part.wrap(), image.as_ref()?)));
+    let Some((wrap, first)) = images.next() else { return Ok(of(sources.map(|(_, colour)| colour)).into()) };
+    if images.clone().any(|(other, _)| other != wrap) {
         return Err(params.error("expected one wrap of all its images"));
     }
-    if images.iter().any(|image| [image.width, image.height] != size) {
+    if images.clone().any(|(_, other)| (other.width, other.height) != (first.width, first.height)) {
         reader.lose(params, "", "its images have different sizes: here all have that of the largest");
     }
-    if images.len() > 1 && sources.last().is_some_and(|(image, _)| image.is_some()) {
+    if images.next().is_some() && sources.last().is_some_and(|(image, _)| image.is_some()) {
         reader.lose(params, "", "its images are multiplied at texels here: between them it differs");
     }
-    let texel = |index: usize| {
-        let at = [index as u32 % largest.width, index as u32 / largest.width];
-        value(at, size, wrap).max(Colour::ZERO).to_array().map(|channel| channel as f32)
-    };
-    // Codes stay as they are.
-    let is_same = (0..largest.len()).all(|index| texel(index) == largest.texel(index));
-    let bytes = if is_same { 0 } else { size_of::<[f32; 3]>() * largest.len() };
-    reader.made.take_room(bytes).map_err(|reason| params.error(reason))?;
-    let made = match is_same {
-        true => Bitmap::clone(largest),
-        false => Bitmap::of_floats(largest.width, largest.height, (0..largest.len()).map(texel)),
-    };
-    let channel = (!is_colour).then_some(Channel::R);
-    Ok(Texture::Image { path: reader.made.add_image(made), tint: Colour::ONE, channel, uv_set: 0, wrap })
-}
-
-/// An image at a texel of another one, by bilinear interpolation.
-fn resampled(image: &Bitmap, at: [u32; 2], size: [u32; 2], wrap: Wrap) -> Colour {
-    let own = [image.width, image.height];
-    let axis = |axis: usize| {
-        let side = f64::from(own[axis]);
-        let place = |cell: f64| match wrap {
-            Wrap::Repeat => cell.rem_euclid(side) as usize,
-            _ => cell.clamp(0.0, side - 1.0) as usize,
-        };
-        let exact = (f64::from(at[axis]) + 0.5) * side / f64::from(size[axis]) - 0.5;
-        ([place(exact.floor()), place(exact.floor() + 1.0)], exact - exact.floor())
-    };
-    let texel = |x: usize, y: usize| Colour::from_array(image.texel(y * image.width as usize + x).map(f64::from));
-    if own == size {
-        return texel(at[0] as usize, at[1] as usize);
-    }
-    let ((columns, right), (rows, down)) = (axis(0), axis(1));
-    let [above, below] = rows.map(|y| texel(columns[0], y).lerp(texel(columns[1], y), right));
-    above.lerp(below, down)
+    let path = reader.made.add_image(&sources, wrap, of).map_err(|reason| params.error(reason))?;
+    Ok(Texture::Image { path, tint: Colour::ONE, channel: (!is_colour).then_some(Channel::R), uv_set: 0, wrap })
 }
 
 fn mapping(params: &Params) -> Result<Mapping> {
@@ -203,20 +158,20 @@ fn mapping(params: &Params) -> Result<Mapping> {
 
 /// A number from 0 to 1 that may be a texture.
 pub fn number_or(params: &Params, name: &str, default: f64, reader: &mut Reader) -> Result<Texture> {
-    let own = part(params, name, default, false, reader)?;
-    up_to_1(params, own, false, reader)
+    up_to_1(params, name, default, false, reader)
 }
 
 /// A colour from 0 to 1 that may be a texture.
 pub fn texture_or(params: &Params, name: &str, default: f64, reader: &mut Reader) -> Result<Texture> {
-    let own = part(params, name, default, true, reader)?;
-    up_to_1(params, own, true, reader)
+    up_to_1(params, name, default, true, reader)
 }
 
 /// Cuts what an image has above 1 where it is multiplied, as pbrt does.
-fn up_to_1(params: &Params, own: Texture, is_colour: bool, reader: &mut Reader) -> Result<Texture> {
+fn up_to_1(params: &Params, name: &str, default: f64, is_colour: bool, reader: &mut Reader) -> Result<Texture> {
+    let own = part(params, name, default, is_colour, reader)?;
     let Texture::Image { path, tint, .. } = &own else { return Ok(own) };
-    match tint.max_element() > 1.0 || reader.made.images.get(path).is_some_and(|image| image.brightest(*tint) > 1.0) {
+    match tint.max_element() > 1.0 || reader.made.images.colours(path).is_some_and(|image| image.brightest(*tint) > 1.0)
+    {
         true => baked(params, is_colour, [own], |[colour]| colour.min(Colour::ONE), reader),
         false => Ok(own),
     }
