@@ -9,6 +9,8 @@ use gpu_rt::scene::{
 };
 use tempfile::TempDir;
 
+use crate::common::stats::Random;
+use crate::mitsuba::mutate;
 use crate::pbrt::{VIEW, folder, load};
 
 const CODES: [[u8; 4]; 6] = [
@@ -209,7 +211,8 @@ fn numbers_are_decoded_as_pbrt_does() {
 /// A smaller image is interpolated at the texels of a larger one, where its edges wrap or end.
 #[test]
 fn images_of_different_sizes_are_told() {
-    for (wrap, first) in [("repeat", 0.25 * share(2)), ("clamp", 0.0)] {
+    // The first column of the lower row is interpolated with the other edge, or with itself.
+    for (wrap, edge) in [("repeat", 5), ("clamp", 3)] {
         let wrap = format!("\"string wrap\" \"{wrap}\"");
         let directives = format!(
             "{GREYS} {wrap} Texture \"s\" \"spectrum\" \"imagemap\" \"string filename\" \"wide.exr\" {wrap} \
@@ -219,17 +222,9 @@ fn images_of_different_sizes_are_told() {
         let scene = load(&files.path().join("a.pbrt"), false).unwrap_or_else(|error| panic!("{error}"));
         assert!(scene.warnings().iter().any(|own| own.contains("its images have different sizes")));
         let found = values(textures(&scene).0, &scene);
-        let wide = |index: usize| f64::from(index as f32 / 8.0);
-        for (index, amount) in
-            [(6, 0.25 * share(2)), (1, 0.75 * share(0) + 0.25 * share(1)), (2, 0.25 * share(0) + 0.75 * share(1))]
-        {
-            // The first column of the lower row is interpolated with its other edge.
-            let amount = if index == 6 {
-                0.75 * share(3) + if first > 0.0 { 0.25 * share(5) } else { 0.25 * share(3) }
-            } else {
-                amount
-            };
-            let expected = (wide(index) * (1.0 - amount)).min(1.0);
+        let between = |a: usize, b: usize, share_of_b: f64| share(a) + share_of_b * (share(b) - share(a));
+        for (index, amount) in [(1, between(0, 1, 0.25)), (2, between(0, 1, 0.75)), (6, between(3, edge, 0.25))] {
+            let expected = index as f64 / 8.0 * (1.0 - amount);
             assert!((found[index].x - expected).abs() < 1e-6, "{wrap} {index}: {found:?}, expected {expected}");
         }
     }
@@ -239,6 +234,32 @@ fn images_of_different_sizes_are_told() {
     );
     let refused = load(&files(&wraps).path().join("a.pbrt"), false).expect_err("their wraps differ").to_string();
     assert!(refused.contains("Texture scale: expected one wrap of all its images"), "{refused}");
+}
+
+/// Random edits of textures: each scene is read or refused, without a panic.
+#[test]
+fn mutants_of_textures_do_not_panic() {
+    let directives = format!(
+        "{GREYS} \"float scale\" 1.5 Texture \"s\" \"spectrum\" \"imagemap\" \"string filename\" \"wide.exr\" \"bool invert\" true \
+         {T} \"string encoding\" \"gamma 2.2\" Texture \"m\" \"spectrum\" \"mix\" \"texture tex1\" \"s\" \"texture tex2\" \"t\" \
+         \"texture amount\" \"g\" Texture \"k\" \"spectrum\" \"scale\" \"texture tex\" \"m\" \"texture scale\" \"g\" \
+         Material \"diffuse\" \"texture reflectance\" \"k\" AreaLightSource \"diffuse\" \"spectrum L\" \"stdillum-F2\" \"float power\" 2"
+    );
+    let files = files(&directives);
+    let path = files.path().join("a.pbrt");
+    let whole = fs::read(&path).unwrap();
+    let (mut random, mut good, mut bad) = (Random(70), 0, 0);
+    for _ in 0..500 {
+        let mut text = whole.clone();
+        mutate(&mut text, b"[]\"\n-9. e#ab0", &mut random);
+        fs::write(&path, &text).unwrap();
+        match load(&path, false) {
+            Ok(_) => good += 1,
+            Err(_) => bad += 1,
+        }
+    }
+    println!("{good} are read, {bad} refused");
+    assert!(good > 5 && bad > 100, "{good} are read, {bad} refused");
 }
 
 /// A converted scene has the values of the one that was read.
