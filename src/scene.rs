@@ -43,7 +43,7 @@ pub use change::{Change, Rows};
 pub use file::OnProgress;
 pub use gltf_options::{GltfOptions, Sky};
 pub use gltf_path::is_gltf;
-pub use imported::write_ply;
+pub use imported::{write_exr, write_ply};
 pub use inputs::Input;
 pub use mitsuba::is_mitsuba;
 pub use model::Scene;

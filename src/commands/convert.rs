@@ -1,6 +1,6 @@
 //! `gpu-rt convert`: a scene of glTF or of Mitsuba in the form of a scene file.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -11,7 +11,7 @@ use crate::cli::GltfArgs;
 use crate::error::{Error, Result};
 use crate::output::destination::{Destination, same_file};
 use crate::output::{atomic, writable};
-use crate::scene::{Assets, write_ply};
+use crate::scene::{Assets, write_exr, write_ply};
 
 #[derive(Debug, Args)]
 pub struct ConvertArgs {
@@ -33,7 +33,7 @@ pub fn run(args: &ConvertArgs) -> Result<()> {
     check_name(from, "a .glb or .gltf file")?;
     check_name(to, "a scene file")?;
     let refused = |reason: String| Error::Usage(format!("{}: {reason}; nothing has been written", to.display()));
-    let check_inputs = |inputs: Vec<&PathBuf>| match inputs.iter().find(|input| same_file(to, input)) {
+    let check_inputs = |to: &Path, inputs: Vec<&PathBuf>| match inputs.iter().find(|input| same_file(to, input)) {
         Some(input) => {
             Err(refused(format!("it would overwrite the input {}: give another name with -o", input.display())))
         }
@@ -44,7 +44,7 @@ pub fn run(args: &ConvertArgs) -> Result<()> {
     }
     let not_writable = |reason| refused(format!("cannot write: {reason}. Give another name with -o"));
     let destination = writable::check(to).map_err(not_writable)?;
-    check_inputs(args.gltf.sky.iter().chain([from]).collect())?;
+    check_inputs(to, args.gltf.sky.iter().chain([from]).collect())?;
     // A pipe or a device is not overwritten.
     let may = || match &destination {
         Destination::File(target) if target.exists() && !args.force => {
@@ -56,14 +56,21 @@ pub fn run(args: &ConvertArgs) -> Result<()> {
     let mut assets = Assets::default();
     let scene = convert(from, &args.gltf, to, &mut assets)?;
     // Also the files that the scene names: their names may end in .ron.
-    check_inputs(assets.files.keys().collect())?;
+    check_inputs(to, assets.files.keys().collect())?;
     scene.warnings().iter().for_each(|warning| tell(&format!("warning: {warning}")));
-    for (path, mesh) in scene.made_meshes() {
-        let path = to.with_file_name(path);
+    let (meshes, images): (Vec<_>, Vec<_>) = (scene.made_meshes().collect(), scene.made_images().collect());
+    for name in meshes.iter().map(|(name, _)| name).chain(images.iter().map(|(name, _)| name)) {
+        let path = to.with_file_name(name);
+        check_inputs(&path, assets.files.keys().collect())?;
         if path.exists() && !args.force {
             return Err(refused(format!("{} is there already: --force overwrites it", path.display())));
         }
-        atomic::replace_if(&path, |file| write_ply(mesh, file), || Ok(()))?;
+    }
+    for (name, mesh) in meshes {
+        atomic::replace_if(&to.with_file_name(name), |file| write_ply(mesh, file), || Ok(()))?;
+    }
+    for (name, image) in images {
+        atomic::replace_if(&to.with_file_name(name), |file| write_exr(image, file), || Ok(()))?;
     }
     atomic::replace_if(to, |file| std::io::Write::write_all(file, scene.text().as_bytes()), may)
 }

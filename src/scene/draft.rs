@@ -17,7 +17,10 @@ pub const LARGEST: f64 = 1e100;
 const WHITE: [u16; 3] = [u16::MAX; 3];
 
 pub fn too_large() -> String {
-    format!("the meshes of the scene take more than {} MiB, which is more than a device can hold", MOST_BYTES >> 20)
+    format!(
+        "the meshes of the scene, and the images that it makes, take more than {} MiB, which is more than a device can hold",
+        MOST_BYTES >> 20
+    )
 }
 
 /// The contents of a file, unchecked.

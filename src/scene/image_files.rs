@@ -102,13 +102,24 @@ impl Loader<'_> {
             let part = part.map_or(String::new(), |part| part.to_json());
             broken(GltfError::new(part, reason))
         };
-        if self.found.insert(path.to_owned()) {
+        let is_first = self.found.insert(path.to_owned());
+        if let (true, Some(made)) = (is_first, self.scene.bitmaps.colours(path)) {
+            // No file has it.
+            let size = (made.width as usize, made.height as usize);
+            self.budget.check(size, |_| made.bytes(), 0).map_err(wrong)?;
+            self.budget.add(path, made);
+            for decoding in self.wanted.remove(path).unwrap_or_default() {
+                self.bitmaps.insert(path, decoding, made.clone());
+            }
+        } else if is_first {
             let files = self.assets.stamp_files(&file);
             match self.reading {
                 Reading::IfThere => _ = file::find(&name, "image", file::LONGEST).map_err(wrong)?,
                 Reading::Complete => {
                     let decodings = self.wanted.remove(path).unwrap_or_default();
-                    for (decoding, bitmap) in self.read(&file, files, &decodings).map_err(broken)? {
+                    for (decoding, bitmap) in
+                        read(&file, files, &decodings, &self.budget, self.assets).map_err(broken)?
+                    {
                         self.budget.add(path, &bitmap);
                         self.bitmaps.insert(path, decoding, bitmap);
                     }
@@ -117,35 +128,44 @@ impl Loader<'_> {
         }
         self.bitmaps.get(path, decoding).map_or(Ok(()), |bitmap| usage.check_texels(bitmap, tint).map_err(wrong))
     }
+}
 
-    /// An image that has been decoded before, or is now.
-    fn read(
-        &mut self,
-        file: &Path,
-        files: Vec<(PathBuf, Stamp)>,
-        decodings: &BTreeSet<Decoding>,
-    ) -> gltf::Result<Decoded> {
-        let wanted = Wanted { decodings, budget: &self.budget };
-        if let Some(decoded) = self.assets.bitmaps(file, &files, decodings) {
-            let size = decoded.first().map_or((1, 1), |(_, bitmap)| (bitmap.width as usize, bitmap.height as usize));
-            self.budget.check(size, |_| decoded.iter().map(|(_, bitmap)| bitmap.bytes()).sum(), 0)?;
-            return Ok(decoded);
-        }
-        let decoded = match split(file) {
-            (name, Some(part @ Part::Image(index))) => {
-                let file = self.assets.gltf.open(&name, &mut |_, _, _| {})?;
-                let bytes = file.image(index)?;
-                decode(&bytes, None, &wanted).map_err(|reason| GltfError::new(part.to_json(), reason))?
-            }
-            (_, Some(_)) => return Err("expected an image, such as #images/0".to_owned().into()),
-            (_, None) => {
-                let bytes = file::read(file, "image", file::LONGEST)?;
-                decode(&bytes, ImageFormat::from_path(file).ok(), &wanted)?
-            }
-        };
-        self.assets.keep_bitmaps(file, files, decoded.clone());
-        Ok(decoded)
+/// An image that has been decoded before, or is now.
+fn read(
+    file: &Path,
+    files: Vec<(PathBuf, Stamp)>,
+    decodings: &BTreeSet<Decoding>,
+    budget: &Budget,
+    assets: &mut Assets,
+) -> gltf::Result<Decoded> {
+    let wanted = Wanted { decodings, budget };
+    if let Some(decoded) = assets.bitmaps(file, &files, decodings) {
+        let size = decoded.first().map_or((1, 1), |(_, bitmap)| (bitmap.width as usize, bitmap.height as usize));
+        budget.check(size, |_| decoded.iter().map(|(_, bitmap)| bitmap.bytes()).sum(), 0)?;
+        return Ok(decoded);
     }
+    let decoded = match split(file) {
+        (name, Some(part @ Part::Image(index))) => {
+            let file = assets.gltf.open(&name, &mut |_, _, _| {})?;
+            let bytes = file.image(index)?;
+            decode(&bytes, None, &wanted).map_err(|reason| GltfError::new(part.to_json(), reason))?
+        }
+        (_, Some(_)) => return Err("expected an image, such as #images/0".to_owned().into()),
+        (_, None) => {
+            let bytes = file::read(file, "image", file::LONGEST)?;
+            decode(&bytes, ImageFormat::from_path(file).ok(), &wanted)?
+        }
+    };
+    assets.keep_bitmaps(file, files, decoded.clone());
+    Ok(decoded)
+}
+
+/// The image of a file that a scene does not name, but is made from.
+pub fn load(file: &Path, decoding: Decoding, assets: &mut Assets) -> std::result::Result<Bitmap, String> {
+    let files = assets.stamp_files(file);
+    let decoded = read(file, files, &BTreeSet::from([decoding]), &Budget::default(), assets);
+    let decoded = decoded.map_err(|error| error.reason)?.pop();
+    decoded.map(|(_, bitmap)| bitmap).ok_or_else(|| "it has no image".to_owned())
 }
 
 /// Decodes the bytes of a file, whose name may say its format. Images of floats, such as .exr and .hdr, are linear; the colours of all

@@ -1,11 +1,13 @@
 //! Scenes of other programs: what their readers make, and the shapes, spectra and transforms that they share.
 
+pub mod bodies;
+mod image;
 pub mod mesh;
 pub mod spectrum;
 pub mod surface;
 pub mod tables;
 pub mod transform;
-mod write_ply;
+mod write;
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -20,7 +22,8 @@ use super::types::*;
 use super::write::named;
 use crate::error::{Error, Location};
 use crate::shape::mesh::Mesh;
-pub use write_ply::write_ply;
+pub use image::Part;
+pub use write::{write_exr, write_ply};
 
 /// A place in a file.
 #[derive(Clone, Debug)]
@@ -52,8 +55,9 @@ pub struct Imported<'a> {
     is_in_place: bool,
     lossless: bool,
     pub parts: Parts,
-    /// The meshes that are in no file, by their paths.
+    /// The meshes and images that are in no file, by their paths. The images have any format, as colours.
     pub meshes: BTreeMap<String, Arc<Mesh>>,
+    pub images: Bitmaps,
     /// The bytes that are left for them.
     room: usize,
     pub notes: Vec<String>,
@@ -78,6 +82,7 @@ impl<'a> Imported<'a> {
             lossless: options.lossless,
             parts: Parts::default(),
             meshes: BTreeMap::new(),
+            images: Bitmaps::default(),
             room: MOST_BYTES,
             notes: Vec::new(),
             files: Vec::new(),
@@ -131,19 +136,34 @@ impl<'a> Imported<'a> {
 
     /// Adds a mesh that no file has: the scene's own file has it, or one that `convert` writes.
     pub fn add_mesh(&mut self, mesh: Mesh, material: Option<String>, at: &Place) -> Object {
-        let number = self.meshes.len();
         let bytes = size_of_val(&mesh.positions[..]) + size_of_val(&mesh.triangles[..]);
-        let Some(room) = self.room.checked_sub(bytes) else {
-            self.findings.refuse(at.error("meshes", too_large()));
+        if let Err(reason) = self.take_room(bytes) {
+            self.findings.refuse(at.error("meshes", reason));
             return Object::Group(Vec::new());
-        };
-        self.room = room;
-        let path = match self.is_in_place {
-            true => format!("{}#meshes/{number}", self.to.file_name().unwrap_or_default().to_string_lossy()),
-            false => format!("{}-{number}.ply", self.to.file_stem().unwrap_or_default().to_string_lossy()),
-        };
+        }
+        let path = self.path_of_made("meshes", self.meshes.len(), "ply");
         self.meshes.insert(path.clone(), Arc::new(mesh));
         Object::Mesh { path, material }
+    }
+
+    /// Adds a file that was read.
+    pub fn add_file(&mut self, file: &Path) {
+        if !self.files.iter().any(|known| known == file) {
+            self.files.push(file.to_owned());
+        }
+    }
+
+    /// Takes bytes for what no file has.
+    fn take_room(&mut self, bytes: usize) -> std::result::Result<(), String> {
+        self.room = self.room.checked_sub(bytes).ok_or_else(too_large)?;
+        Ok(())
+    }
+
+    fn path_of_made(&self, kind: &str, number: usize, ending: &str) -> String {
+        match self.is_in_place {
+            true => format!("{}#{kind}/{number}", self.to.file_name().unwrap_or_default().to_string_lossy()),
+            false => format!("{}-{number}.{ending}", self.to.file_stem().unwrap_or_default().to_string_lossy()),
+        }
     }
 
     /// The path of a file as the scene names it.

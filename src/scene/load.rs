@@ -309,10 +309,11 @@ fn of_another(
     let defines = if is_pbrt(path) { options.defines.clone() } else { Vec::new() };
     GltfOptions { defines, lossless: false, ..options.clone() }.refuse(path, false)?;
     let read = if is_pbrt(path) { pbrt::contents } else { mitsuba::contents };
-    let Imported { parts, meshes, notes, files, places, findings, .. } = read(path, to, options, progress, assets)?;
-    let made = meshes.keys().cloned().collect();
+    let Imported { parts, meshes, images, notes, files, places, findings, .. } =
+        read(path, to, options, progress, assets)?;
+    let made = meshes.keys().chain(images.paths()).cloned().collect();
     let scene = Scene::of_parts(parts, Source::with_places(to, places));
-    let mut scene = Scene { meshes, made, notes, libraries: files, ..scene };
+    let mut scene = Scene { meshes, bitmaps: images, made, notes, libraries: files, ..scene };
     finish(&mut scene, findings, progress, assets)?;
     Ok(scene.in_frame(options.frame))
 }

@@ -3,7 +3,6 @@
 //! `document` reads the elements of all files, `values` their properties; each other module makes one kind of element. What cannot be as Mitsuba
 //! has it is an error at its place, or a loss, which is told.
 
-mod bodies;
 mod bsdf;
 mod document;
 mod emitter;
@@ -24,7 +23,7 @@ use super::assets::Assets;
 use super::file::OnProgress;
 use super::gltf_options::GltfOptions;
 use super::gltf_path::has_ending;
-use super::imported::{Imported, Place};
+use super::imported::{Imported, Place, bodies};
 use super::types::*;
 use crate::error::{Error, Result};
 use document::{Loader, Node};
@@ -91,7 +90,8 @@ pub fn contents<'a>(
         all.extend(node.children.iter().rev());
     }
     parts(&root, path, progress, &mut reader);
-    bodies::tell(&mut reader);
+    let camera = reader.outside.map(|(node, at)| (node.at.clone(), node.title(), at));
+    bodies::tell(&reader.bodies, camera, "Mitsuba", &mut reader.made);
     Ok(reader.made)
 }
 

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::animation_frame::AnimationFrame;
 use super::types::*;
 use super::visit;
+use crate::bitmap::{Channel, Decoding};
 use crate::error::{Error, Location};
 use crate::shape::mesh::Mesh;
 use crate::source::{Source, Step, ValuePath};
@@ -33,7 +34,7 @@ pub struct Scene {
     pub(super) notes: Vec<String>,
     /// The files of materials of an OBJ file.
     pub(super) libraries: Vec<PathBuf>,
-    /// The paths of the meshes that no file has.
+    /// The paths of the meshes and images that no file has.
     pub(super) made: HashSet<String>,
     pub(super) source: Source,
 }
@@ -48,6 +49,15 @@ impl Scene {
     /// The meshes that no file has, with the paths of the files that the scene names in their place.
     pub fn made_meshes(&self) -> impl Iterator<Item = (&str, &Mesh)> {
         self.made.iter().filter_map(|path| Some((path.as_str(), &**self.meshes.get(path)?)))
+    }
+
+    /// The images that no file has, likewise.
+    pub fn made_images(&self) -> impl Iterator<Item = (&str, &Bitmap)> {
+        let of = |path| {
+            let decodings = [Decoding::Colour, Decoding::Number(Channel::R)];
+            decodings.into_iter().find_map(|decoding| self.bitmaps.get(path, decoding))
+        };
+        self.made.iter().filter_map(move |path| Some((path.as_str(), of(path)?)))
     }
 
     /// The location in the scene file of the value at the end of `steps`.

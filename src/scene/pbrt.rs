@@ -9,6 +9,7 @@ mod material;
 mod params;
 mod reader;
 mod shape;
+mod texture;
 mod tokens;
 
 use std::io::Read;
@@ -23,12 +24,12 @@ use super::file::{self, LONGEST_SCENE, OnProgress};
 use super::gltf_options::GltfOptions;
 use super::gltf_path::has_ending;
 use super::imported::transform::look_at;
-use super::imported::{Imported, Place};
+use super::imported::{Imported, Place, bodies};
 use crate::error::{Error, Result};
 use crate::printable::quote;
 use params::Params;
 use reader::{Definition, Look, Reader, State};
-use tokens::{Notation, Token, Tokens};
+use tokens::{Failure, Token, Tokens};
 
 /// The most files that are open at a time, and that a scene includes.
 const DEEPEST: usize = 100;
@@ -50,9 +51,16 @@ pub fn contents<'a>(
     assets: &'a mut Assets,
 ) -> Result<Imported<'a>> {
     let made = Imported::new(path, to, options, assets);
-    let mut run = Run { reader: Reader::new(path, made), states: Vec::new(), open: Vec::new(), camera: None };
-    run.file(path, progress)?;
-    let Run { reader: Reader { mut made, in_world, .. }, states, .. } = run;
+    let mut run = Run {
+        reader: Reader::new(path, made, progress),
+        states: Vec::new(),
+        open: Vec::new(),
+        included: 0,
+        camera: None,
+    };
+    run.file(path)?;
+    let Run { reader: Reader { mut made, in_world, bodies, camera, .. }, states, .. } = run;
+    bodies::tell(&bodies, camera, "pbrt", &mut made);
     if let Some((_, at)) = states.last() {
         made.findings.refuse(at.error("AttributeBegin", "expected its end before that of the file"));
     }
@@ -64,16 +72,18 @@ pub fn contents<'a>(
 }
 
 /// The run through the directives.
-struct Run<'a> {
-    reader: Reader<'a>,
+struct Run<'a, 'p> {
+    reader: Reader<'a, 'p>,
     states: Vec<(State, Place)>,
     open: Vec<PathBuf>,
+    /// How many files were included.
+    included: usize,
     /// The camera, which needs the film.
     camera: Option<(String, Params, DAffine3)>,
 }
 
-impl Run<'_> {
-    fn file(&mut self, path: &Path, progress: &mut OnProgress) -> Result<()> {
+impl Run<'_, '_> {
+    fn file(&mut self, path: &Path) -> Result<()> {
         let whole = |message: String| Place { file: path.into(), line: 0, column: 0 }.error("scene", message);
         self.reader.made.assets.stamp_files(path);
         let mut bytes = file::read(path, "scene file", LONGEST_SCENE).map_err(whole)?;
@@ -89,7 +99,7 @@ impl Run<'_> {
         self.open.push(std::fs::canonicalize(path).unwrap_or(path.to_owned()));
         let mut tokens = Tokens::new(path, &text);
         while !self.reader.made.findings.is_full() {
-            match self.next(&mut tokens, progress) {
+            match self.next(&mut tokens) {
                 Ok(true) => {}
                 Ok(false) => break,
                 Err(Failure::OfDirective(error)) => self.reader.made.findings.refuse(error),
@@ -104,11 +114,11 @@ impl Run<'_> {
     }
 
     /// Runs the next directive. The result says whether there was one.
-    fn next(&mut self, tokens: &mut Tokens<'_>, progress: &mut OnProgress) -> std::result::Result<bool, Failure> {
+    fn next(&mut self, tokens: &mut Tokens<'_>) -> tokens::Result<bool> {
         let Some(token) = tokens.next()? else { return Ok(false) };
         let at = tokens.place();
         let Token::Word(word) = token else {
-            return Err(Notation::at(&at, "scene", format!("expected a directive, found {}", token.words())).into());
+            return Err(Failure::at(&at, "scene", format!("expected a directive, found {}", token.words())));
         };
         match word {
             "Identity" | "Translate" | "Scale" | "Rotate" | "LookAt" | "Transform" | "ConcatTransform" => {
@@ -116,8 +126,8 @@ impl Run<'_> {
             }
             "AttributeBegin" | "TransformBegin" | "ObjectBegin" => self.begin(word, &at, tokens)?,
             "AttributeEnd" | "TransformEnd" | "ObjectEnd" => self.end(word, &at)?,
-            "ObjectInstance" => shape::instance(tokens.text(word, "its name")?, &at, progress, &mut self.reader)?,
-            "Include" | "Import" => self.include(word, &at, tokens, progress)?,
+            "ObjectInstance" => shape::instance(tokens.text(word, "its name")?, &at, &mut self.reader)?,
+            "Include" | "Import" => self.include(word, &at, tokens)?,
             "WorldBegin" => self.begin_world()?,
             "Attribute" => self.attribute(word, &at, tokens)?,
             "Texture" => self.texture(word, &at, tokens)?,
@@ -127,7 +137,7 @@ impl Run<'_> {
             }
             "Material" | "MakeNamedMaterial" | "MakeNamedMedium" | "Shape" | "LightSource" | "AreaLightSource" => {
                 let (kind, params) = self.kind_of(word, &at, tokens)?;
-                self.part(word, kind, params, progress)?;
+                self.part(word, kind, params)?;
             }
             _ => self.other(word, &at, tokens)?,
         }
@@ -135,25 +145,20 @@ impl Run<'_> {
     }
 
     /// The kind of a directive, and its parameters.
-    fn kind_of<'t>(
-        &mut self,
-        word: &str,
-        at: &Place,
-        tokens: &mut Tokens<'t>,
-    ) -> std::result::Result<(&'t str, Params), Failure> {
+    fn kind_of<'t>(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'t>) -> tokens::Result<(&'t str, Params)> {
         let kind = tokens.text(word, "its kind in quotes")?;
         let params = Params::read(format!("{word} {kind}"), at.clone(), tokens)?;
         let reader = &mut self.reader;
         let params = params.with_files(|name, at| {
             let path = reader.resolve(name, at);
             reader.made.assets.stamp_files(&path);
-            reader.made.files.push(path.clone());
+            reader.made.add_file(&path);
             path
         })?;
         Ok((kind, params))
     }
 
-    fn transform(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>) -> Step {
+    fn transform(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>) -> tokens::Result<()> {
         let mut of_end = self.reader.state.ctm;
         let is_at_end = self.reader.state.is_at_end;
         let ctm = if is_at_end { &mut of_end } else { &mut self.reader.state.ctm };
@@ -185,7 +190,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    fn begin(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>) -> Step {
+    fn begin(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>) -> tokens::Result<()> {
         let name = if word == "ObjectBegin" { Some(tokens.text(word, "its name")?) } else { None };
         if self.states.len() >= MOST_STATES {
             return Err(at.error(word, format!("expected at most {MOST_STATES} of them at a time")).into());
@@ -200,7 +205,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    fn end(&mut self, word: &str, at: &Place) -> Step {
+    fn end(&mut self, word: &str, at: &Place) -> tokens::Result<()> {
         let missing = || at.error(word, format!("expected {} before it", word.replace("End", "Begin")));
         let (before, _) = self.states.pop().ok_or_else(missing)?;
         match word {
@@ -214,26 +219,27 @@ impl Run<'_> {
         Ok(())
     }
 
-    fn include(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>, progress: &mut OnProgress) -> Step {
+    fn include(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>) -> tokens::Result<()> {
         let name = tokens.text(word, "a file")?;
         let path = self.reader.resolve(name, at);
         if self.open.contains(&std::fs::canonicalize(&path).unwrap_or(path.clone())) {
             let message = format!("{} includes itself: expected no circle", path.display());
             return Err(at.error(word, message).into());
         }
-        if self.open.len() > DEEPEST || self.reader.made.files.len() >= MOST_FILES {
+        if self.open.len() > DEEPEST || self.included >= MOST_FILES {
             let message = format!("expected at most {MOST_FILES} files, {DEEPEST} in each other");
             return Err(at.error(word, message).into());
         }
-        self.reader.made.files.push(path.clone());
-        let read = self.file(&path, progress).map_err(|error| match error {
+        self.included += 1;
+        self.reader.made.add_file(&path);
+        let read = self.file(&path).map_err(|error| match error {
             Error::Scene { location, message, .. } if location.line == 0 => at.error(word, message),
             other => other,
         });
         Ok(read?)
     }
 
-    fn begin_world(&mut self) -> Step {
+    fn begin_world(&mut self) -> tokens::Result<()> {
         self.reader.in_world = true;
         let camera = self.camera.take();
         let made = camera.map_or(Ok(()), |(kind, params, ctm)| {
@@ -245,7 +251,7 @@ impl Run<'_> {
         Ok(made?)
     }
 
-    fn attribute(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>) -> Step {
+    fn attribute(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>) -> tokens::Result<()> {
         let target = tokens.text(word, "what the parameters are of")?;
         let params = Params::read(format!("{word} {target}"), at.clone(), tokens)?;
         let known = ["shape", "light", "material", "texture"].into_iter().find(|known| *known == target);
@@ -254,7 +260,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    fn texture(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>) -> Step {
+    fn texture(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>) -> tokens::Result<()> {
         let (name, kind) = (tokens.text(word, "its name")?, tokens.text(word, "float or spectrum")?);
         let (class, params) = self.kind_of(word, at, tokens)?;
         let params = params.with_defaults(self.defaults("texture"));
@@ -262,7 +268,7 @@ impl Run<'_> {
             return Err(params.error(format!("expected float or spectrum, found {}", quote(kind))).into());
         }
         let is_colour = kind == "spectrum";
-        let found = material::texture(class, is_colour, &params, &mut self.reader)?;
+        let found = texture::texture(class, is_colour, &params, &mut self.reader)?;
         self.reader.textures.insert((is_colour, name.to_owned()), found);
         Ok(())
     }
@@ -272,7 +278,7 @@ impl Run<'_> {
     }
 
     /// Runs a directive that stands before the world.
-    fn option(&mut self, word: &str, kind: &str, params: Params) -> Step {
+    fn option(&mut self, word: &str, kind: &str, params: Params) -> tokens::Result<()> {
         let reader = &mut self.reader;
         if reader.in_world {
             return Err(params.error("expected it before WorldBegin").into());
@@ -294,7 +300,7 @@ impl Run<'_> {
     }
 
     /// Runs a directive that makes a part of the world.
-    fn part(&mut self, word: &str, kind: &str, params: Params, progress: &mut OnProgress) -> Step {
+    fn part(&mut self, word: &str, kind: &str, params: Params) -> tokens::Result<()> {
         if !self.reader.in_world {
             return Err(params.error("expected it after WorldBegin").into());
         }
@@ -323,12 +329,12 @@ impl Run<'_> {
                 reader.areas.push(area);
                 reader.state.area = Some(reader.areas.len() - 1);
             }
-            _ => shape::shape(kind, &params, progress, reader)?,
+            _ => shape::shape(kind, &params, reader)?,
         }
         Ok(())
     }
 
-    fn other(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>) -> Step {
+    fn other(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>) -> tokens::Result<()> {
         let reader = &mut self.reader;
         match word {
             "ReverseOrientation" => reader.state.is_reversed = !reader.state.is_reversed,
@@ -350,7 +356,7 @@ impl Run<'_> {
                 let inside = tokens.text(word, "the name of a medium")?;
                 let has_outside = matches!(tokens.peek()?, Some(Token::Text(_)));
                 let outside = if has_outside { tokens.text(word, "a name")? } else { inside };
-                reader.state.inside = inside.to_owned();
+                (reader.state.inside, reader.state.has_outside) = (inside.to_owned(), !outside.is_empty());
                 if !outside.is_empty() && outside != inside {
                     reader.made.lose(at, word, "the medium outside is not used: media are where their shapes are");
                 }
@@ -366,34 +372,14 @@ impl Run<'_> {
             "TransformTimes" => _ = tokens.numbers::<2>(word)?,
             "ActiveTransform" => {
                 let Some(Token::Word(which @ ("StartTime" | "EndTime" | "All"))) = tokens.next()? else {
-                    return Err(Notation::at(at, word, "expected StartTime, EndTime or All").into());
+                    return Err(Failure::at(at, word, "expected StartTime, EndTime or All"));
                 };
                 reader.state.is_at_end = which == "EndTime";
                 reader.made.lose(at, word, "what moves is at rest, where it is when the shutter opens");
             }
-            _ => return Err(Notation::at(at, word, "this directive is not read").into()),
+            _ => return Err(Failure::at(at, word, "this directive is not read")),
         }
         Ok(())
-    }
-}
-
-/// Why a directive was not run: by itself, or because it cannot be read, nor what comes behind it.
-enum Failure {
-    OfDirective(Error),
-    OfNotation(Error),
-}
-
-type Step = std::result::Result<(), Failure>;
-
-impl From<Error> for Failure {
-    fn from(error: Error) -> Failure {
-        Failure::OfDirective(error)
-    }
-}
-
-impl From<Notation> for Failure {
-    fn from(Notation(error): Notation) -> Failure {
-        Failure::OfNotation(error)
     }
 }
 

@@ -21,6 +21,7 @@ mod mitsuba;
 mod named_files;
 mod page;
 mod pbrt;
+mod pbrt_textures;
 mod plan;
 mod scene_file;
 mod statistics;

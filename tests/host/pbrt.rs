@@ -19,14 +19,14 @@ use tempfile::TempDir;
 use crate::common::stats::Random;
 use crate::mitsuba::mutate;
 
-const VIEW: &str = r#"Scale -1 1 1 LookAt 0 0 0 0 0 1 0 1 0 Camera "perspective" "float fov" 90
+pub const VIEW: &str = r#"Scale -1 1 1 LookAt 0 0 0 0 0 1 0 1 0 Camera "perspective" "float fov" 90
 Film "rgb" "integer xresolution" 40 "integer yresolution" 20 Sampler "halton" "integer pixelsamples" 16 PixelFilter "box"
 Integrator "volpath" "integer maxdepth" 4 WorldBegin
 "#;
 const VIEW_IN_RON: &str = "image: (width: 40, height: 20),
     camera: (look_from: (0, 0, 0), look_at: (0, 0, 1), up: (0, 1, 0), vertical_fov: 90), render: (samples: 16, max_depth: 4),";
 
-fn folder(files: &[(&str, &[u8])]) -> TempDir {
+pub fn folder(files: &[(&str, &[u8])]) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in files {
         fs::write(folder.path().join(name), text).unwrap();
@@ -34,18 +34,18 @@ fn folder(files: &[(&str, &[u8])]) -> TempDir {
     folder
 }
 
-fn load(path: &Path, lossless: bool) -> Result<Scene, Error> {
+pub fn load(path: &Path, lossless: bool) -> Result<Scene, Error> {
     let options = GltfOptions { lossless, ..GltfOptions::default() };
     Scene::load_as(path, &options, &mut |_, _, _| {}, &mut Assets::default())
 }
 
-fn read(text: &str) -> Result<Scene, Error> {
+pub fn read(text: &str) -> Result<Scene, Error> {
     let folder = folder(&[("a.pbrt", text.as_bytes())]);
     load(&folder.path().join("a.pbrt"), false)
 }
 
 /// Errors without the folder of their file.
-fn error(files: &[(&str, &[u8])]) -> String {
+pub fn error(files: &[(&str, &[u8])]) -> String {
     let folder = folder(files);
     let error = load(&folder.path().join("a.pbrt"), false).expect_err("it is wrong").to_string();
     error.replace(&format!("{}/", folder.path().display()), "")
@@ -102,7 +102,10 @@ const SAME: &[Same] = &[
             Disk(center: (0, 0, 0), normal: (0, 0, 1), radius: 1, material: "thindielectric"),
             Disk(center: (0, 0, 0), normal: (0, 0, 1), radius: 1, material: "mix"),
         ],"#,
-        &["Material coateddiffuse: its random walk is a closed form here"],
+        &[
+            "Material coateddiffuse: its random walk is a closed form here",
+            "Camera perspective: it seems to be inside of a medium that it does not name",
+        ],
     ),
     (
         r#"LightSource "point" "rgb I" [1 0.25 1] "float power" 12.566370614359172
@@ -197,11 +200,36 @@ fn errors_have_places() {
         ),
         (
             "LightSource \"infinite\" \"string filename\" \"a.exr\" \"float illuminance\" 1",
-            "illuminance is not read here",
+            "a.pbrt:4:24: LightSource infinite.filename: a.exr: cannot read the image",
         ),
         (
-            "AreaLightSource \"diffuse\" \"float power\" 1 Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0]",
-            "the power of its light is not read",
+            "AreaLightSource \"diffuse\" \"float power\" 1 Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1.1 0] \
+             \"integer indices\" [0 1 2 1 3 2]",
+            "a.pbrt:4:43: Shape trianglemesh: expected faces of one area",
+        ),
+        (
+            "LightSource \"point\" \"spectrum I\" \"stdillum-F13\"",
+            "LightSource point.I: the spectrum \"stdillum-F13\" is not read",
+        ),
+        (
+            "Material \"diffuse\" \"spectrum reflectance\" \"stdillum-F1\"",
+            "Material diffuse.reflectance: the spectrum \"stdillum-F1\" is not read here",
+        ),
+        (
+            "Texture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"a.png\" \"bool invert\" true",
+            "a.pbrt:4:1: Texture imagemap: a.png: cannot read the image",
+        ),
+        (
+            "Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"a.png\"",
+            "a.pbrt:4:32: Texture imagemap.filename: a.png: cannot read the image",
+        ),
+        (
+            "Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"a.png\" \"string encoding\" \"gamma 0\"",
+            "a.pbrt:4:58: Texture imagemap.encoding: expected sRGB, linear, or gamma and a number above 0",
+        ),
+        (
+            "Texture \"a\" \"float\" \"checkerboard\" Texture \"b\" \"float\" \"mix\" \"texture amount\" \"a\"",
+            "Texture mix: a checkerboard in it is not read",
         ),
         ("ActiveTransform Middle", "ActiveTransform: expected StartTime, EndTime or All"),
         (
@@ -253,6 +281,16 @@ fn what_pbrt_shows_otherwise_is_told_and_can_be_refused() {
             "Material \"coateddiffuse\" \"float thickness\" 1 Shape \"disk\"",
             "its layer is as dark in all directions here",
         ),
+        (
+            "AttributeBegin Material \"dielectric\" Shape \"sphere\" AttributeEnd \
+             AreaLightSource \"diffuse\" Shape \"disk\" \"float radius\" 0.5",
+            "Shape disk: it seems to be inside of glass, where pbrt scales its light",
+        ),
+        (
+            "MakeNamedMedium \"a\" \"rgb sigma_a\" [1 1 1] \"rgb sigma_s\" [1 1 1] MediumInterface \"a\" \"\" Material \"interface\" \
+             Translate 0 0 9 Shape \"sphere\" Shape \"sphere\" \"float radius\" 0.5",
+            "its medium seems to be inside of another: here their densities add",
+        ),
     ] {
         let files = folder(&[("a.pbrt", (VIEW.to_owned() + directives + " LightSource \"infinite\"").as_bytes())]);
         let path = files.path().join("a.pbrt");
@@ -261,6 +299,72 @@ fn what_pbrt_shows_otherwise_is_told_and_can_be_refused() {
         let refused = load(&path, true).expect_err("it loses something").to_string();
         assert!(refused.contains(told) && refused.contains("(--lossless)"), "{refused}");
     }
+    let fog = |outside: &str, z: f64| {
+        let medium = r#"MakeNamedMedium "a" "rgb sigma_a" [1 1 1] "rgb sigma_s" [1 1 1]"#;
+        let view = VIEW.replace("Camera", &format!("MediumInterface \"\" \"{outside}\" Camera"));
+        let ball = format!(r#"Translate 0 0 {z} MediumInterface "a" "" Material "interface" Shape "sphere""#);
+        read(&format!("{view} {medium} {ball}")).expect("it is valid").warnings().join(" ")
+    };
+    assert!(fog("", 0.5).contains("Camera perspective: it seems to be inside of a medium that it does not name"));
+    assert!(!fog("a", 0.5).contains("inside of a medium") && !fog("", 1.5).contains("inside of a medium"));
+    // A lamp beside glass.
+    let beside = r#"AttributeBegin Material "dielectric" Shape "sphere" AttributeEnd
+        AreaLightSource "diffuse" Shape "disk" "float radius" 0.5 "float height" 2"#;
+    let warnings = read(&(VIEW.to_owned() + beside)).expect("it is valid").warnings();
+    assert!(warnings.is_empty(), "{warnings:?}");
+}
+
+/// Each face of a mesh has all of a power: what it sends from its sides is π times its area times its radiance.
+#[test]
+fn faces_have_the_power_of_their_lamp() {
+    let radiance = |shape: &str, before: &str| {
+        let lamp = format!(
+            "AreaLightSource \"diffuse\" \"bool twosided\" true \"float power\" 6.283185307179586 {before} Shape {shape}"
+        );
+        let black = "Material \"diffuse\" \"rgb reflectance\" [0 0 0]";
+        let text = format!("{VIEW}{black} {lamp}");
+        let files = folder(&[("a.pbrt", text.as_bytes()), ("a.ply", PLY.as_bytes())]);
+        let scene = load(&files.path().join("a.pbrt"), false).unwrap_or_else(|error| panic!("{error}"));
+        let Material::DiffuseLight(lamp) = &scene.materials[0].1 else { panic!("{:?}", scene.materials) };
+        lamp.emit.plain().expect("it is plain").x
+    };
+    const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+                       element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 2 0\n0 2 0\n4 0 1 2 3\n";
+    let points = "\"point3 P\" [0 0 0 1 0 0 0 2 0 1 2 0]";
+    let triangles = format!("\"trianglemesh\" {points} \"integer indices\" [0 1 2 1 3 2]");
+    for (shape, before, area) in [
+        (triangles.as_str(), "", 1.0),
+        (triangles.as_str(), "Scale 2 3 1", 6.0),
+        (&format!("\"bilinearmesh\" {points}"), "", 2.0),
+        ("\"plymesh\" \"string filename\" \"a.ply\"", "Scale 3 3 3", 18.0),
+    ] {
+        let found = radiance(shape, before);
+        assert!((found * area - 1.0).abs() < 1e-9, "{shape}: {found}");
+    }
+}
+
+/// The illuminants of pbrt have a luminance of 1 and the colours that the observer sees of their spectra.
+#[test]
+fn illuminants_have_names() {
+    let names = (1..=12).map(|number| format!("stdillum-F{number}"));
+    let names =
+        ["stdillum-A", "stdillum-D50", "stdillum-D65", "illum-acesD60"].map(str::to_owned).into_iter().chain(names);
+    let point = |kind: &str, value: &str| {
+        let scene = read(&format!("{VIEW} LightSource \"point\" \"{kind} I\" [{value}] \"float scale\" 2"))
+            .expect("it is valid");
+        let Object::PointLight { intensity, .. } = scene.objects[0] else { panic!("{:?}", scene.objects) };
+        intensity
+    };
+    let mut all = Vec::new();
+    for name in names {
+        let found = point("spectrum", &format!("\"{name}\""));
+        assert!((luminance(found.to_array()) - 2.0).abs() < 2e-4, "{name}: {found}");
+        all.push(found);
+    }
+    // Illuminant A is a black body of 2855.5 K; those of F are none.
+    let black = point("blackbody", "2855.5");
+    let off = |found: Colour| ((found - black) / black).abs().max_element();
+    assert!(off(all[0]) < 2e-3 && all[1..].iter().all(|other| off(*other) > 1e-2), "{all:?} {black}");
 }
 
 /// A view without `Scale -1 1 1` shows the mirror image. Packed and included files are read; a part of the film is a part of the image.

@@ -184,7 +184,7 @@ fn scenes_of_mitsuba_are_as_mitsuba_renders_them() {
 /// The same of scenes of pbrt, against images by a port of it. They are grey: colours of surfaces are spectra there, whose products are others.
 #[test]
 fn scenes_of_pbrt_are_as_pbrt_renders_them() {
-    for name in ["sky", "lights", "shapes", "materials"] {
+    for name in ["sky", "lights", "shapes", "materials", "textures"] {
         is_as_the_other_program_has_it(&format!("pbrt/{name}"), 430);
     }
 }

@@ -3,6 +3,9 @@
 /// The eta and the k of metals.
 pub const METALS: &str = include_str!("metals.csv");
 
+/// The colours of pbrt's illuminants, with a luminance of 1.
+pub const ILLUMINANTS: &str = include_str!("illuminants.csv");
+
 /// The names of a table, each with its numbers as text.
 fn lines(table: &'static str) -> impl Iterator<Item = (&'static str, &'static str)> {
     table.lines().filter(|line| !line.starts_with('#')).filter_map(|line| line.split_once(','))

@@ -9,18 +9,9 @@ use glam::{DAffine3, DVec3};
 use super::document::{Node, resolve};
 use crate::error::Result;
 use crate::scene::imported::Imported;
+use crate::scene::imported::bodies::Body;
 use crate::scene::types::{Material, Object};
-use crate::shape::Aabb;
 use crate::shape::mesh::Mesh;
-
-/// A shape, and a box around it.
-pub struct Body<'a> {
-    pub node: &'a Node,
-    pub around: Aabb,
-    pub is_glass: bool,
-    pub emits: bool,
-    pub has_medium: bool,
-}
 
 /// What has been made of the elements so far.
 pub struct Reader<'a, 'm> {
@@ -38,7 +29,7 @@ pub struct Reader<'a, 'm> {
     /// The objects of shapes of groups, by the element and its transform: instances have the same.
     pub grouped: HashMap<(*const Node, [u64; 12]), Vec<Object>>,
     /// The shapes that may be inside of others, or around them.
-    pub bodies: Vec<Body<'a>>,
+    pub bodies: Vec<Body>,
     /// A sensor that names no medium, and where it is.
     pub outside: Option<(&'a Node, DVec3)>,
     /// The meshes of files as they are.

@@ -7,12 +7,13 @@ use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2};
 use super::document::{Node, resolve};
 use super::emitter::medium;
 use super::properties::{Properties, unknown};
-use super::reader::{Body, Reader};
+use super::reader::Reader;
 use super::{bsdf, serialized};
 use crate::error::Result;
 use crate::lobe::anisotropy::ANISOTROPY;
 use crate::scene::draft::MOST_BYTES;
 use crate::scene::file::{self, OnProgress};
+use crate::scene::imported::bodies::Body;
 use crate::scene::imported::surface::Medium;
 use crate::scene::imported::transform::moved;
 use crate::scene::imported::{mesh, surface};
@@ -118,7 +119,8 @@ pub fn shape<'a>(
     }
     let around = Aabb::around(around.corners().map(|p| to_world.transform_point3(p)));
     reader.bodies.push(Body {
-        node,
+        at: node.at.clone(),
+        title: node.title(),
         around,
         is_glass: surface.is_glass,
         emits: surface.emits,

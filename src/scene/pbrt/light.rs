@@ -4,35 +4,33 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::params::{Params, Spectrum, unit};
+use super::params::{Params, Spectrum};
 use super::reader::{Area, Reader};
+use crate::bitmap::Decoding;
+use crate::data::luminance;
 use crate::error::Result;
 use crate::printable::quote;
-use crate::scene::imported::spectrum;
 use crate::scene::imported::surface::Medium;
+use crate::scene::imported::tables;
 use crate::scene::imported::transform::turns;
-use crate::scene::types::{Background, Colour, Falloff, Object, SkyLayout};
+use crate::scene::types::{Background, Bitmap, Colour, Falloff, Object, SkyLayout};
 
 /// The light of a parameter, or white without it, times its `scale` and that of the film. `total`: the name of the power or of the illuminance,
-/// which may be given too, and its value for a light of 1; 0 if that is not known.
+/// which may be given too, and its value for a light of 1.
 fn emitted(params: &Params, name: &str, total: (&str, f64), reader: &Reader) -> Result<Colour> {
     let colour = match params.spectrum(name)? {
         None => Colour::ONE,
         Some(Spectrum::Rgb(colour) | Spectrum::Curve { light: colour, .. }) => colour,
-        Some(Spectrum::Named(name)) if name == "stdillum-D65" => Colour::ONE,
-        // The standard is a black body of this temperature.
-        Some(Spectrum::Named(name)) if name == "stdillum-A" => unit(spectrum::of_black_body(2855.5)),
         Some(Spectrum::Named(other)) => {
-            let message = format!("the spectrum {} is not read: give rgb or blackbody", quote(&other));
-            return Err(params.error_at(name, message));
+            let known = tables::row(tables::ILLUMINANTS, &other).and_then(|row| <[f64; 3]>::try_from(row).ok());
+            let message = || format!("the spectrum {} is not read: give rgb or blackbody", quote(&other));
+            Colour::from_array(known.ok_or_else(|| params.error_at(name, message()))?)
         }
     };
     let scale = params.number_or("scale", 1.0)? * reader.film.scale;
     let (name, of_one) = total;
     Ok(match params.number(name)?.filter(|total| *total > 0.0) {
-        Some(_) if of_one == 0.0 => {
-            return Err(params.error_at(name, format!("{name} is not read here: give the light its scale")));
-        }
+        Some(_) if of_one == 0.0 => return Err(params.error_at(name, "expected an image that is not black")),
         Some(total) => colour * (scale * total / of_one),
         None => colour * scale,
     })
@@ -88,15 +86,22 @@ pub fn light(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
                 params.ignore(&["portal"]);
                 reader.lose(params, "portal", "its light comes from beside its portal too");
             }
-            let of_plane = if params.has("filename") { 0.0 } else { PI };
-            let radiance = emitted(params, "L", ("illuminance", of_plane), reader)?;
-            reader.made.parts.background = Some(match params.word("filename")? {
-                None => Background::Solid(radiance),
-                Some(file) => {
-                    let turned = turns(&ctm);
-                    let by = turned.ok_or_else(|| params.error("expected a transform that turns the sky alone"))?;
-                    let path = reader.made.named(&reader.resolve(file, params.place_of("filename")));
-                    Background::Image { path, tint: radiance, by, layout: SkyLayout::Octahedral }
+            let file = params.word("filename")?;
+            let path = file.map(|file| reader.made.named(&reader.resolve(file, params.place_of("filename"))));
+            let of_plane = match &path {
+                Some(path) if params.has("illuminance") => {
+                    let image = reader.made.image(path, Decoding::Colour);
+                    illuminance(&image.map_err(|reason| params.error_at("filename", format!("{path}: {reason}")))?)
+                }
+                _ => PI,
+            };
+            let tint = emitted(params, "L", ("illuminance", of_plane), reader)?;
+            reader.made.parts.background = Some(match path {
+                None => Background::Solid(tint),
+                Some(path) => {
+                    let by =
+                        turns(&ctm).ok_or_else(|| params.error("expected a transform that turns the sky alone"))?;
+                    Background::Image { path, tint, by, layout: SkyLayout::Octahedral }
                 }
             });
             reader.end(params);
@@ -107,6 +112,17 @@ pub fn light(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
     reader.end(params);
     reader.add_object(object, &params.at);
     Ok(())
+}
+
+/// The illuminance of an image on the plane of its own x and y, as pbrt counts it: half of what falls there.
+fn illuminance(image: &Bitmap) -> f64 {
+    let (width, height) = (image.width as usize, image.height as usize);
+    let from_middle = |cell: usize, side: usize| ((2.0 * cell as f64 + 1.0) / side as f64 - 1.0).abs();
+    let of_texel = |(index, texel): (usize, [f32; 3])| {
+        let cos = 1.0 - (from_middle(index % width, width) + from_middle(index / width, height)).powi(2);
+        cos.max(0.0) * luminance(texel.map(f64::from))
+    };
+    2.0 * PI / image.len() as f64 * image.texels().enumerate().map(of_texel).sum::<f64>()
 }
 
 /// The medium of a directive.

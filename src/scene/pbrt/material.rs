@@ -1,10 +1,8 @@
-//! Materials and textures.
-
-use glam::DVec2;
+//! Materials.
 
 use super::params::{Params, Spectrum};
-use super::reader::{AS_THEY_ARE, Mapping, Reader};
-use crate::bitmap::Channel;
+use super::reader::{AS_THEY_ARE, Reader};
+use super::texture::{number_or, texture_or};
 use crate::error::Result;
 use crate::printable::quote;
 use crate::scene::imported::surface::Facets;
@@ -128,10 +126,8 @@ fn coated(params: &Params, reader: &mut Reader) -> Result<Material> {
 /// A matt body that lets light pass.
 fn translucent(params: &Params, reader: &mut Reader) -> Result<Material> {
     let scale = params.number_or("scale", 1.0)?;
-    let mut share = |name| match texture_or(params, name, 0.25, reader)? {
-        Texture::Rgb(r, g, b) => Ok(scale * Colour::new(r, g, b)),
-        _ => Err(params.error_at(name, "a texture of diffusetransmission is not read")),
-    };
+    let wrong = |name| move || params.error_at(name, "a texture of diffusetransmission is not read");
+    let mut share = |name| Ok(scale * texture_or(params, name, 0.25, reader)?.plain().ok_or_else(wrong(name))?);
     let (reflected, passed) = (share("reflectance")?, share("transmittance")?);
     let (of_reflected, of_passed) = (reflected.max_element(), passed.max_element());
     let sum = of_reflected + of_passed;
@@ -159,11 +155,10 @@ fn conductor(params: &Params, reader: &mut Reader) -> Result<Material> {
             return Err(params.error("expected a reflectance, or eta and k, found both"));
         }
         true => {
-            let Texture::Rgb(r, g, b) = texture_or(params, "reflectance", 0.5, reader)? else {
-                return Err(params.error_at("reflectance", "a texture of a conductor is not read"));
-            };
+            let wrong = || params.error_at("reflectance", "a texture of a conductor is not read");
+            let own = texture_or(params, "reflectance", 0.5, reader)?.plain().ok_or_else(wrong)?;
             // As pbrt makes them of a reflectance.
-            let reflectance = Colour::new(r, g, b).clamp(Colour::ZERO, Colour::splat(0.9999));
+            let reflectance = own.clamp(Colour::ZERO, Colour::splat(0.9999));
             (Colour::ONE, reflectance.map(|r| 2.0 * r.sqrt() / (1.0 - r).sqrt()))
         }
         false => (of_metal(params, "eta", 0)?, of_metal(params, "k", 3)?),
@@ -268,119 +263,4 @@ fn facets(params: &Params, reader: &mut Reader) -> Result<Facets> {
         reader.mapping.get_or_insert(AS_THEY_ARE);
     }
     Ok(if is_smooth { Facets::of(0.0, 0.0, Distribution::Ggx) } else { Facets::of(u, v, Distribution::Ggx) })
-}
-
-/// A number that may be a texture.
-pub fn number_or(params: &Params, name: &str, default: f64, reader: &mut Reader) -> Result<Texture> {
-    match params.texture(name)? {
-        Some(texture) => known(params, name, texture, false, reader),
-        None => Ok(Texture::grey(params.number_or(name, default)?)),
-    }
-}
-
-/// A colour that may be a texture.
-pub fn texture_or(params: &Params, name: &str, default: f64, reader: &mut Reader) -> Result<Texture> {
-    match params.texture(name)? {
-        Some(texture) => known(params, name, texture, true, reader),
-        None => Ok(params.colour(name)?.unwrap_or(Colour::splat(default)).into()),
-    }
-}
-
-fn known(params: &Params, name: &str, texture: &str, is_colour: bool, reader: &mut Reader) -> Result<Texture> {
-    let kind = if is_colour { "spectrum" } else { "float" };
-    let missing = || params.error_at(name, format!("there is no {kind} texture {} above", quote(texture)));
-    let (found, mapping) = reader.textures.get(&(is_colour, texture.to_owned())).cloned().ok_or_else(missing)?;
-    if found.needs_uv() && !reader.has_mapping(mapping) {
-        return Err(params.error_at(name, "expected one mapping of all textures of a surface, found another"));
-    }
-    if let Texture::Image { tint, .. } = &found
-        && tint.max_element() > 1.0
-    {
-        reader.lose(params, name, "its image is not made brighter here");
-        return Ok(found.map(|tint| tint.min(Colour::ONE)));
-    }
-    Ok(found)
-}
-
-/// The texture of a directive.
-pub fn texture(kind: &str, is_colour: bool, params: &Params, reader: &mut Reader) -> Result<(Texture, Mapping)> {
-    reader.mapping = None;
-    let one = |name: &str, default: f64, reader: &mut Reader| match is_colour {
-        true => texture_or(params, name, default, reader),
-        false => number_or(params, name, default, reader),
-    };
-    let found = match kind {
-        "constant" => one("value", 1.0, reader)?,
-        "scale" => {
-            let (texture, scale) = (one("tex", 1.0, reader)?, number_or(params, "scale", 1.0, reader)?);
-            let scale = scale.plain().ok_or_else(|| params.error_at("scale", "a texture as scale is not read"))?.x;
-            texture.map(|colour| scale * colour)
-        }
-        "mix" => {
-            let (a, b) = (one("tex1", 0.0, reader)?, one("tex2", 1.0, reader)?);
-            let plain = [a, b, number_or(params, "amount", 0.5, reader)?].map(|part| part.plain());
-            let [Some(a), Some(b), Some(amount)] = plain else {
-                return Err(params.error("textures in a mix are not read"));
-            };
-            (a + amount.x * (b - a)).into()
-        }
-        "checkerboard" => {
-            if params.integer_or("dimension", 2)? != 2 {
-                return Err(params.error_at("dimension", "expected 2: others are not read"));
-            }
-            let mut plain = |name, default| match one(name, default, reader)? {
-                Texture::Rgb(r, g, b) => Ok(Colour::new(r, g, b)),
-                _ => Err(params.error_at(name, "a texture in a checkerboard is not read")),
-            };
-            Texture::Checker { scale: 0.5, even: plain("tex1", 1.0)?, odd: plain("tex2", 0.0)?, uv: true }
-        }
-        "imagemap" => {
-            let file = params.word("filename")?.ok_or_else(|| params.error("expected its filename"))?;
-            let path = reader.made.named(&reader.resolve(file, params.place_of("filename")));
-            params.ignore(&["filter", "maxanisotropy"]);
-            let wrap = match params.word("wrap")?.unwrap_or("repeat") {
-                "repeat" => Wrap::Repeat,
-                "clamp" => Wrap::Clamp,
-                _ => return Err(params.error_at("wrap", "expected a wrap of repeat or clamp")),
-            };
-            if params.flag_or("invert", false)? {
-                return Err(params.error_at("invert", "expected false: inverted images are not read"));
-            }
-            let is_coded = match params.word("encoding")?.unwrap_or("sRGB") {
-                "sRGB" => !is_linear(file),
-                "linear" => false,
-                _ => return Err(params.error_at("encoding", "expected sRGB or linear: others are not read")),
-            };
-            if is_coded && !is_colour {
-                reader.lose(params, "", "its codes count as linear here: write encoding linear");
-            }
-            let channel = (is_colour && !is_coded).then_some(Channel::Rgb);
-            let tint = Colour::splat(params.number_or("scale", 1.0)?);
-            Texture::Image { path, tint, channel, uv_set: 0, wrap }
-        }
-        _ => {
-            let message = "this texture is not read: expected constant, scale, mix, checkerboard or imagemap";
-            return Err(params.error(message));
-        }
-    };
-    let own = match kind {
-        "imagemap" => Some(mapping(params)?),
-        // Texture coordinates repeat at 1, where two squares have passed.
-        "checkerboard" => Some(mapping(params)?.map(|part| 0.5 * part)),
-        _ => None,
-    };
-    reader.end(params);
-    Ok((found, own.or(reader.mapping.take()).unwrap_or(AS_THEY_ARE)))
-}
-
-fn is_linear(path: &str) -> bool {
-    crate::scene::gltf_path::has_ending(std::path::Path::new(path), &["exr", "hdr", "pfm"])
-}
-
-fn mapping(params: &Params) -> Result<Mapping> {
-    if params.word("mapping")?.is_some_and(|mapping| mapping != "uv") {
-        return Err(params.error_at("mapping", "expected uv: other mappings are not read"));
-    }
-    let both = |u: &str, v: &str, usual| Ok(DVec2::new(params.number_or(u, usual)?, params.number_or(v, usual)?));
-    Ok([both("uscale", "vscale", 1.0)?, both("udelta", "vdelta", 0.0)?])
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use glam::{DVec2, DVec3};
 
-use super::tokens::{self, Notation, Token, Tokens, number_of};
+use super::tokens::{self, Failure, Token, Tokens, number_of};
 use crate::error::{Error, Result};
 use crate::printable::{counted, quote};
 use crate::scene::imported::{Place, spectrum};
@@ -61,10 +61,10 @@ impl Params {
             let at = tokens.place();
             let mut words = declared.split_ascii_whitespace();
             let (Some(kind), Some(name), None) = (words.next(), words.next(), words.next()) else {
-                return Err(Notation::at(&at, &title, format!("expected \"type name\", found {}", quote(declared))));
+                return Err(Failure::at(&at, &title, format!("expected \"type name\", found {}", quote(declared))));
             };
             if all.iter().any(|known| known.name == name) {
-                return Err(Notation::at(&at, &title, format!("{name} is given twice")));
+                return Err(Failure::at(&at, &title, format!("{name} is given twice")));
             }
             let values = values(&format!("{title}.{name}"), tokens)?;
             all.push(Param { kind: kind.to_owned(), name: name.to_owned(), values, at, used: Cell::new(false) });
@@ -321,7 +321,7 @@ fn values(what: &str, tokens: &mut Tokens<'_>) -> tokens::Result<Values> {
                 Some(number) => numbers.push(number),
                 None => {
                     let message = format!("expected {expected}, found {}", token.words());
-                    return Err(Notation::at(&tokens.place(), what, message));
+                    return Err(Failure::at(&tokens.place(), what, message));
                 }
             },
         }
@@ -331,10 +331,10 @@ fn values(what: &str, tokens: &mut Tokens<'_>) -> tokens::Result<Values> {
         token = tokens.expect(what, "]")?;
     }
     match (words.is_empty(), numbers.is_empty()) {
-        (false, false) => Err(Notation::at(&tokens.place(), what, "expected numbers or texts, found both")),
+        (false, false) => Err(Failure::at(&tokens.place(), what, "expected numbers or texts, found both")),
         (false, true) => Ok(Values::Words(words)),
         (true, _) if !is_list && numbers.is_empty() => {
-            Err(Notation::at(&tokens.place(), what, format!("expected {expected}, found ]")))
+            Err(Failure::at(&tokens.place(), what, format!("expected {expected}, found ]")))
         }
         (true, _) => Ok(Values::Numbers(numbers)),
     }

@@ -7,6 +7,8 @@ use std::rc::Rc;
 use glam::{DAffine3, DVec2, DVec3};
 
 use super::params::{Param, Params};
+use crate::scene::file::OnProgress;
+use crate::scene::imported::bodies::Body;
 use crate::scene::imported::surface::Medium;
 use crate::scene::imported::{Imported, Place};
 use crate::scene::types::*;
@@ -61,8 +63,9 @@ pub struct State {
     pub is_in_mirror: bool,
     /// Whether transforms are of the end of motion alone, which is not read.
     pub is_at_end: bool,
-    /// The name of the medium inside of shapes.
+    /// The name of the medium inside of shapes, and whether that outside has one.
     pub inside: String,
+    pub has_outside: bool,
     /// The parameters of all shapes, lights and so on.
     pub defaults: HashMap<&'static str, Vec<Param>>,
 }
@@ -76,8 +79,9 @@ pub struct Definition {
     pub shapes: Vec<(String, Params, State)>,
 }
 
-pub struct Reader<'a> {
+pub struct Reader<'a, 'p> {
     pub made: Imported<'a>,
+    pub progress: &'p mut OnProgress<'p>,
     /// The folder of the scene's first file.
     pub folder: PathBuf,
     pub state: State,
@@ -90,6 +94,10 @@ pub struct Reader<'a> {
     pub textures: HashMap<(bool, String), (Texture, Mapping)>,
     /// The mapping of the textures that a surface has so far.
     pub mapping: Option<Mapping>,
+    /// The shapes that may be inside of others, or around them.
+    pub bodies: Vec<Body>,
+    /// The camera, unless it names the medium around it.
+    pub camera: Option<(Place, String, DVec3)>,
     pub media: HashMap<String, (Medium, Place)>,
     pub definitions: HashMap<String, Rc<Definition>>,
     /// The object that is being defined.
@@ -99,8 +107,8 @@ pub struct Reader<'a> {
     pub film: Film,
 }
 
-impl<'a> Reader<'a> {
-    pub fn new(path: &Path, mut made: Imported<'a>) -> Reader<'a> {
+impl<'a, 'p> Reader<'a, 'p> {
+    pub fn new(path: &Path, mut made: Imported<'a>, progress: &'p mut OnProgress<'p>) -> Reader<'a, 'p> {
         made.parts.objects = Some(Vec::new());
         made.parts.render = RenderDefaults { samples: 16, max_depth: 5 };
         made.parts.image = Some(ImageSize { width: 1280, height: 720 });
@@ -110,6 +118,7 @@ impl<'a> Reader<'a> {
         let first = Look { material: Some(Material::Lambertian(matt)), mapping: None, name: "default".to_owned(), at };
         Reader {
             made,
+            progress,
             folder: path.parent().unwrap_or(Path::new("")).to_owned(),
             state: State::default(),
             in_world: false,
@@ -119,6 +128,8 @@ impl<'a> Reader<'a> {
             areas: Vec::new(),
             textures: HashMap::new(),
             mapping: None,
+            bodies: Vec::new(),
+            camera: None,
             media: HashMap::new(),
             definitions: HashMap::new(),
             definition: None,

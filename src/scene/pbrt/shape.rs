@@ -1,28 +1,32 @@
 //! Shapes: as our own where they are the same, as meshes elsewhere.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
+use std::path::PathBuf;
 use std::rc::Rc;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec2};
 
-use super::material::{lambertian, number_or};
+use super::material::lambertian;
 use super::params::Params;
 use super::reader::{AS_THEY_ARE, Mapping, On, Reader, State};
+use super::texture::number_or;
 use crate::error::Result;
 use crate::printable::quote;
 use crate::scene::draft::{Draft, MOST_BYTES};
-use crate::scene::file::OnProgress;
+use crate::scene::imported::bodies::Body;
 use crate::scene::imported::surface::Medium;
 use crate::scene::imported::transform::moved;
 use crate::scene::imported::{Place, mesh, surface as surfaces};
 use crate::scene::mesh_files::load_file;
 use crate::scene::types::*;
+use crate::shape::Aabb;
 use crate::shape::mesh::Mesh;
 
 const KNOWN: &str = "sphere, disk, cylinder, trianglemesh, bilinearmesh, plymesh";
 
-pub fn shape(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mut Reader) -> Result<()> {
+pub fn shape(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
     if ["curve", "loopsubdiv"].contains(&kind) {
         reader.lose(params, "", "it is left out: this shape is not read");
         return Ok(());
@@ -60,21 +64,24 @@ pub fn shape(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mu
             let placed = by * DAffine3::from_translation(DVec3::new(0.0, 0.0, low)) * scale;
             made(params, mesh::cylinder(turn), &placed, flips, look, reader)
         }
-        "trianglemesh" => {
-            let mesh = faces(params, [Vec2::ZERO, Vec2::X, Vec2::ONE], &[[0, 1, 2]], look.1.is_some())?;
-            made(params, mesh, &by, reader.state.is_reversed, look, reader)
+        "plymesh" => file_mesh(params, &by, look, reader)?,
+        _ if let Some(mesh) = mesh_of(kind, params, look.1.is_some(), reader)? => {
+            made(params, Arc::unwrap_or_clone(mesh), &by, reader.state.is_reversed, look, reader)
         }
-        "bilinearmesh" => {
-            let usual = [Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE];
-            let mesh = faces(params, usual, &[[0, 1, 3], [0, 3, 2]], look.1.is_some())?;
-            made(params, mesh, &by, reader.state.is_reversed, look, reader)
-        }
-        "plymesh" => file_mesh(params, &by, look, progress, reader)?,
         _ => return Err(params.error(format!("this shape is not read: expected one of {KNOWN}"))),
     };
     reader.end(params);
+    let material = reader.looks.get(reader.state.look).and_then(|look| look.material.as_ref());
+    let is_glass = matches!(material, Some(Material::Dielectric(_) | Material::RoughDielectric(_)));
     // Glass has the absorption of a medium that scatters nothing.
-    if let Some((medium, at)) = inside.filter(|(medium, _)| !(medium.albedo == Colour::ZERO && is_glass(reader))) {
+    let inside = inside.filter(|(medium, _)| !(medium.albedo == Colour::ZERO && is_glass));
+    let (emits, has_medium) = (reader.state.area.is_some(), inside.is_some());
+    if (is_glass || emits || has_medium) && reader.definition.is_none() {
+        let around = Aabb::around(bounds(kind, params, reader)?.corners().map(|p| by.transform_point3(p)));
+        let (at, title) = (params.at.clone(), params.title.clone());
+        reader.bodies.push(Body { at, title, around, is_glass, emits, has_medium });
+    }
+    if let Some((medium, at)) = inside {
         if medium.extinction != Colour::splat(medium.extinction.x) {
             let found = medium.extinction.to_array();
             let message =
@@ -90,7 +97,7 @@ pub fn shape(kind: &str, params: &Params, progress: &mut OnProgress, reader: &mu
 }
 
 /// The shapes of an object, placed.
-pub fn instance(name: &str, at: &Place, progress: &mut OnProgress, reader: &mut Reader) -> Result<()> {
+pub fn instance(name: &str, at: &Place, reader: &mut Reader) -> Result<()> {
     let what = "ObjectInstance";
     if reader.definition.is_some() {
         return Err(at.error(what, "expected no instance inside of an object, as pbrt has it"));
@@ -107,7 +114,7 @@ pub fn instance(name: &str, at: &Place, progress: &mut OnProgress, reader: &mut 
     for (kind, params, state) in &definition.shapes {
         let placed = State { ctm: by * state.ctm, is_in_mirror, ..state.clone() };
         let before = std::mem::replace(&mut reader.state, placed);
-        let done = shape(kind, params, progress, reader);
+        let done = shape(kind, params, reader);
         reader.state = before;
         done?;
         if reader.made.findings.is_full() {
@@ -122,14 +129,15 @@ fn surface(kind: &str, params: &Params, inside: Option<&Medium>, reader: &mut Re
     reader.mapping = reader.looks[reader.state.look].mapping;
     let alpha = number_or(params, "alpha", 1.0, reader)?;
     let absorption = inside.filter(|medium| medium.albedo == Colour::ZERO).map(|medium| medium.extinction);
-    let area = reader.state.area.and_then(|area| reader.areas.get(area));
-    let power = if area.is_some_and(|area| area.is_power) { unit_power(kind, params)? } else { 1.0 };
+    let area = reader.state.area.filter(|area| reader.areas.get(*area).is_some_and(|area| area.is_power));
+    let power = if area.is_some() { unit_power(kind, params, reader)? } else { 1.0 };
     let key = (reader.state.look, reader.state.area, format!("{alpha:?} {absorption:?} {power}"));
     if let Some(known) = reader.known.get(&key) {
         return Ok(known.clone());
     }
     let look = &reader.looks[key.0];
     let (mut found, name, at) = (look.material.clone(), look.name.clone(), look.at.clone());
+    let area = reader.state.area.and_then(|area| reader.areas.get(area));
     let light = area.map(|area| (area.radiance / power, area.is_two_sided, area.at.clone()));
     if let Some(slot) = found.as_mut().and_then(surfaces::absorption_of) {
         *slot = absorption;
@@ -157,13 +165,28 @@ fn surface(kind: &str, params: &Params, inside: Option<&Medium>, reader: &mut Re
     Ok(made)
 }
 
-fn is_glass(reader: &Reader) -> bool {
-    let material = reader.looks.get(reader.state.look).and_then(|look| look.material.as_ref());
-    matches!(material, Some(Material::Dielectric(_) | Material::RoughDielectric(_)))
+/// A box around a shape before its transform.
+fn bounds(kind: &str, params: &Params, reader: &mut Reader) -> Result<Aabb> {
+    if let Some(mesh) = mesh_of(kind, params, false, reader)? {
+        return Ok(mesh.bounds());
+    }
+    let number = |name, usual| params.number_or(name, usual);
+    let radius = number("radius", 1.0)?;
+    let (low, high) = match kind {
+        "disk" => (number("height", 0.0)?, number("height", 0.0)?),
+        "cylinder" => (number("zmin", -1.0)?, number("zmax", 1.0)?),
+        _ => (-radius, radius),
+    };
+    Ok(Aabb { min: DVec3::new(-radius, -radius, low), max: DVec3::new(radius, radius, high) })
 }
 
-/// The power of a shape with a radiance of 1: π times the area that pbrt counts, before the transform.
-fn unit_power(kind: &str, params: &Params) -> Result<f64> {
+/// The power of a shape with a radiance of 1: π times the area that pbrt counts. That is the area before the transform, or of a mesh that of each face.
+fn unit_power(kind: &str, params: &Params, reader: &mut Reader) -> Result<f64> {
+    if let Some(mesh) = mesh_of(kind, params, false, reader)? {
+        let area = area_of_faces(&mesh, if kind == "bilinearmesh" { 2 } else { 1 }, &reader.state.ctm);
+        let message = "expected faces of one area, each of which has the power of its light: give the light its scale";
+        return Ok(PI * area.ok_or_else(|| params.error(message))?);
+    }
     let ((radius, turn), number) = (radius_and_turn(params)?, |name, usual| params.number_or(name, usual));
     let area = match kind {
         "disk" => PI * turn * (radius * radius - number("innerradius", 0.0)?.powi(2)),
@@ -171,9 +194,32 @@ fn unit_power(kind: &str, params: &Params) -> Result<f64> {
             2.0 * PI * turn * radius * (number("zmax", radius)?.min(radius) - number("zmin", -radius)?.max(-radius))
         }
         "cylinder" => 2.0 * PI * turn * radius * (number("zmax", 1.0)? - number("zmin", -1.0)?),
-        _ => return Err(params.error("the power of its light is not read here: give the light its scale")),
+        _ => return Ok(PI),
     };
     Ok(PI * area)
+}
+
+/// The area of each face, if all have one. `split`: how many faces of the mesh are one of pbrt's.
+fn area_of_faces(mesh: &Mesh, split: u32, by: &DAffine3) -> Option<f64> {
+    let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
+    let corner = |corner: u32| by.transform_point3(mesh.positions.get(corner as usize).copied().unwrap_or_default());
+    for (number, triangle) in mesh.triangles.iter().enumerate() {
+        let [a, b, c] = triangle.map(corner);
+        *areas.entry(mesh.face(number) / split).or_default() += 0.5 * (b - a).cross(c - a).length();
+    }
+    let (least, most) = areas.values().fold((f64::MAX, 0.0_f64), |(least, most), own| (own.min(least), own.max(most)));
+    (most - least <= 1e-3 * most && most > 0.0).then_some(most)
+}
+
+/// The mesh of a directive that has one.
+fn mesh_of(kind: &str, params: &Params, is_textured: bool, reader: &mut Reader) -> Result<Option<Arc<Mesh>>> {
+    let [o, x, y, both] = [Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE];
+    Ok(Some(match kind {
+        "trianglemesh" => Arc::new(faces(params, [o, x, both], &[[0, 1, 2]], is_textured)?),
+        "bilinearmesh" => Arc::new(faces(params, [o, x, y, both], &[[0, 1, 3], [0, 3, 2]], is_textured)?),
+        "plymesh" => read_file(params, reader)?,
+        _ => return Ok(None),
+    }))
 }
 
 /// The radius of a quadric, and its share of a turn.
@@ -287,15 +333,8 @@ fn faces<const K: usize>(params: &Params, usual: [Vec2; K], split: &[[usize; 3]]
     draft().map_err(|reason| params.error(reason))
 }
 
-fn file_mesh(
-    params: &Params,
-    by: &DAffine3,
-    look: On,
-    progress: &mut OnProgress,
-    reader: &mut Reader,
-) -> Result<Object> {
-    let name = params.word("filename")?.ok_or_else(|| params.error("expected its filename"))?;
-    let path = reader.resolve(name, params.place_of("filename"));
+fn file_mesh(params: &Params, by: &DAffine3, look: On, reader: &mut Reader) -> Result<Object> {
+    let path = ply_path(params, reader)?;
     if params.has("displacement") {
         return Err(params.error_at("displacement", "a displacement is not read"));
     }
@@ -304,11 +343,25 @@ fn file_mesh(
     if let Some(object) = moved(by, object).filter(|_| is_as_it_is) {
         return Ok(object);
     }
-    let broken = |reason: String| params.error_at("filename", format!("{}: {reason}", path.display()));
-    reader.made.assets.stamp_files(&path);
-    let (read, ..) = load_file(&path, MOST_BYTES, progress).map_err(broken)?;
-    let mut mesh = Arc::unwrap_or_clone(read);
+    let mut mesh = Arc::unwrap_or_clone(read_file(params, reader)?);
     placed(&mut mesh, by, reader.state.is_reversed, look.1);
-    reader.made.files.push(path);
     Ok(reader.made.add_mesh(mesh, look.0, &params.at))
+}
+
+fn ply_path(params: &Params, reader: &Reader) -> Result<PathBuf> {
+    let name = params.word("filename")?.ok_or_else(|| params.error("expected its filename"))?;
+    Ok(reader.resolve(name, params.place_of("filename")))
+}
+
+fn read_file(params: &Params, reader: &mut Reader) -> Result<Arc<Mesh>> {
+    let path = ply_path(params, reader)?;
+    let broken = |reason: String| params.error_at("filename", format!("{}: {reason}", path.display()));
+    let files = reader.made.assets.stamp_files(&path);
+    reader.made.add_file(&path);
+    if let Some((known, _)) = reader.made.assets.mesh(&path, &files) {
+        return Ok(known);
+    }
+    let (read, left) = load_file(&path, MOST_BYTES, reader.progress).map_err(broken)?;
+    reader.made.assets.keep_mesh(&path, files, (Arc::clone(&read), MOST_BYTES - left));
+    Ok(read)
 }

@@ -7,16 +7,26 @@ use crate::error::Error;
 use crate::printable::quote;
 use crate::scene::imported::Place;
 
-/// An error of the notation, behind which a file cannot be read on.
-pub struct Notation(pub Error);
+/// Why a directive was not run: by itself, or by its notation, behind which a file cannot be read on.
+pub enum Failure {
+    OfDirective(Error),
+    OfNotation(Error),
+}
 
-impl Notation {
-    pub fn at(place: &Place, what: &str, message: impl Into<String>) -> Notation {
-        Notation(place.error(what, message))
+impl Failure {
+    /// One of the notation.
+    pub fn at(place: &Place, what: &str, message: impl Into<String>) -> Failure {
+        Failure::OfNotation(place.error(what, message))
     }
 }
 
-pub type Result<T> = std::result::Result<T, Notation>;
+impl From<Error> for Failure {
+    fn from(error: Error) -> Failure {
+        Failure::OfDirective(error)
+    }
+}
+
+pub type Result<T> = std::result::Result<T, Failure>;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Token<'t> {
@@ -102,7 +112,7 @@ impl<'t> Tokens<'t> {
                 let inner = rest.get(1..).unwrap_or_default();
                 let end = inner.find(['"', '\n', '\\']).filter(|end| inner.as_bytes().get(*end) == Some(&b'"'));
                 let end = end.ok_or_else(|| {
-                    Notation::at(
+                    Failure::at(
                         &self.place(),
                         "text",
                         "expected a \" at its end in the same line, and no \\ before that",
@@ -122,13 +132,13 @@ impl<'t> Tokens<'t> {
     /// The next token, which must be there.
     pub fn expect(&mut self, what: &str, expected: &str) -> Result<Token<'t>> {
         self.next()?
-            .ok_or_else(|| Notation::at(&self.place(), what, format!("expected {expected}, found the end of the file")))
+            .ok_or_else(|| Failure::at(&self.place(), what, format!("expected {expected}, found the end of the file")))
     }
 
     pub fn text(&mut self, what: &str, expected: &str) -> Result<&'t str> {
         match self.expect(what, expected)? {
             Token::Text(text) => Ok(text),
-            other => Err(Notation::at(&self.place(), what, format!("expected {expected}, found {}", other.words()))),
+            other => Err(Failure::at(&self.place(), what, format!("expected {expected}, found {}", other.words()))),
         }
     }
 
@@ -143,11 +153,11 @@ impl<'t> Tokens<'t> {
             let expected = format!("{N} numbers");
             let token = self.expect(what, &expected)?;
             *number = number_of(token).ok_or_else(|| {
-                Notation::at(&self.place(), what, format!("expected {expected}, found {}", token.words()))
+                Failure::at(&self.place(), what, format!("expected {expected}, found {}", token.words()))
             })?;
         }
         if is_bracketed && self.expect(what, "]")? != Token::Close {
-            return Err(Notation::at(&self.place(), what, format!("expected ] behind {N} numbers")));
+            return Err(Failure::at(&self.place(), what, format!("expected ] behind {N} numbers")));
         }
         Ok(all)
     }

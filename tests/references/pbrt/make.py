@@ -1,7 +1,7 @@
 """Makes the images of the scenes here by pbrt-r4, a port of pbrt-v4: `cargo install pbrt-r4 --version 4.5.2 --no-default-features` and
-`pip install OpenEXR numpy`, then `python make.py [NAME..]`.
+`pip install OpenEXR numpy pillow`, then `python make.py [NAME..]`.
 
-Each half has a sampler with a seed of its own in place of the scene's. square.exr and texels.exr, which scenes name, are made first if they are not there.
+Each half has a sampler with a seed of its own in place of the scene's. Images that scenes name are made first if they are not there.
 """
 
 import re
@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import OpenEXR
+from PIL import Image
 
 SPP = 8192  # of each half
 FOLDER = Path(__file__).parent
@@ -29,6 +30,10 @@ def inputs():
     for name, grey in [("square", sky), ("texels", texels)]:
         if not (FOLDER / f"{name}.exr").exists():
             write(FOLDER / name, np.stack([grey] * 3, axis=2))
+    # Codes that vary along one axis alone: the product of both is bilinear where they are.
+    codes = np.array([20, 250, 90, 200, 150, 40, 230, 120], np.uint8)
+    for name, image in [("columns", np.tile(codes, (8, 1))), ("rows", np.tile(codes[::-1, None], (1, 8)))]:
+        Image.fromarray(image).save(FOLDER / f"{name}.png")
 
 
 def half(name, seed):
@@ -52,5 +57,5 @@ def make(name):
 
 
 inputs()
-for name in sys.argv[1:] or ["sky", "lights", "shapes", "materials"]:
+for name in sys.argv[1:] or ["sky", "lights", "shapes", "materials", "textures"]:
     make(name)

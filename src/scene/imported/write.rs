@@ -1,9 +1,22 @@
-//! Writes a mesh as a binary PLY.
+//! Writes what no file has.
 
-use std::io::{Result, Write};
+use std::fs::File;
+use std::io::{BufWriter, Error, Result, Write};
 
+use exr::math::Vec2;
+use exr::prelude::{Image, SpecificChannels, WritableImage};
+
+use crate::bitmap::Bitmap;
 use crate::shape::mesh::Mesh;
 
+/// Writes an image as an EXR of its linear values.
+pub fn write_exr(image: &Bitmap, to: &mut File) -> Result<()> {
+    let size = (image.width as usize, image.height as usize);
+    let channels = SpecificChannels::rgb(|Vec2(x, y)| <(f32, f32, f32)>::from(image.texel(y * size.0 + x)));
+    Image::from_channels(size, channels).write().to_buffered(BufWriter::new(to)).map_err(Error::other)
+}
+
+/// Writes a mesh as a binary PLY.
 pub fn write_ply(mesh: &Mesh, to: &mut dyn Write) -> Result<()> {
     let property = |names: &[&str], kind: &str| -> String {
         names.iter().map(|name| format!("property {kind} {name}\n")).collect()
