@@ -128,8 +128,7 @@ pub fn flatten_with(
     flat.warnings.extend(without_light(scene, brightest));
     flat.warnings.extend(without_direction(scene, &view));
     flat.warnings.extend(hidden_emissions(scene, &emissions));
-    flat.settings = view.settings(&space);
-    flat.placement = view.placement(&space);
+    (flat.settings, flat.placement) = (view.settings(&space), view.placement(&space));
     if options.aov.has(Aov::Motion) {
         flat.neighbours = Some(Arc::new(Neighbours::of(scene, size, to_scene)));
     }

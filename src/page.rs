@@ -51,7 +51,7 @@ fn is_placed(plan: &Plan<'_>) -> bool {
     plan.scene.features.reason("placed").is_some()
 }
 
-/// What is so large that not every browser renders it, in words.
+/// A sentence for each part of the plan that is too large for some browsers.
 pub fn needs(plan: &Plan<'_>) -> Vec<String> {
     let storage = plan.most_storage_buffers();
     let kernels = (storage > STORAGE_BUFFERS)

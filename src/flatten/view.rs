@@ -35,9 +35,9 @@ pub struct Placement {
     pub right: [f64; 3],
     pub up: [f64; 3],
     pub backward: [f64; 3],
-    /// What its user calls up, a unit vector.
+    /// The unit vector that its user calls up.
     pub vertical: [f64; 3],
-    /// That of the point at which it looks.
+    /// The distance of the point at which it looks.
     pub distance: f64,
     /// The length of the settings' vectors for a pixel.
     pub pixel: f64,
@@ -76,7 +76,7 @@ impl View<'_> {
         0.5 * self.camera.aperture
     }
 
-    /// What the settings follow from, for who places the camera elsewhere.
+    /// The numbers that the settings follow from, for programs that place the camera elsewhere.
     pub fn placement(&self, space: &RenderSpace) -> Placement {
         let View { camera, film, to_space, .. } = self;
         let axes = if self.has_camera_axes { DMat3::IDENTITY } else { self.axes };

@@ -84,7 +84,7 @@ export class Camera {
       pixel_y: times(this.up, -width),
       lens_x: times(this.right, lens_radius),
       lens_y: times(this.up, lens_radius),
-      // What is sharp stays at the same share of the way to the target.
+      // The plane that is sharp stays at the same share of the way to the target.
       inverse_focus: [1 / (focus * (this.distance / distance))],
     };
   }

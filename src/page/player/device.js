@@ -1,6 +1,6 @@
 // The browser's device: its limits, the numerics probe, the kernels and the buffers.
 
-// What a browser, a device or a driver lacks, in words.
+// A browser, a device or a driver lacks something, which the message names.
 export class Lacks extends Error {}
 
 // The least bytes of a buffer: no struct is larger.
@@ -51,7 +51,7 @@ export function bufferOf(device, bytes, usage, contents = null) {
 
 export const fromBase64 = text => Uint8Array.from(atob(text), char => char.charCodeAt(0));
 
-// What the arithmetic of this driver is, by one dispatch of the probe: the constants that kernels get. A property that a kernel relies on and the driver
+// Probes the arithmetic of this driver. The result is the limit on the steps of walks, or 0 for that of the kernels. A property that a kernel relies on and the driver
 // lacks is an error (src/gpu/probe.rs).
 export async function probe(device, { probe, kernels }) {
   const usage = GPUBufferUsage;

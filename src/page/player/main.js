@@ -110,7 +110,7 @@ class Player {
     try {
       return await Promise.race([rendering(), this.lost]);
     } catch (error) {
-      // What fails because the device is lost says so a moment later.
+      // If it fails because the device is lost, the device says so a moment later.
       const lost = await Promise.race([this.lost, wait(1000)]);
       if (lost === undefined && !(error instanceof Broken)) throw error;
       device.destroy();

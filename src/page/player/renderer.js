@@ -12,7 +12,7 @@ const LEAST_WORK = 1024;
 const SLOTS_OF_FALLBACK = 4096;
 const LEAST_SLOTS = 16384;
 
-// What has been rendered is lost: the device did not do its work.
+// The device did not do its work, so that the image is lost.
 export class Broken extends Error {}
 
 export class Renderer {

@@ -1,4 +1,4 @@
-//! What is inside of something else, by boxes around both: there other renderers differ.
+//! Lamps and media inside of other bodies, by boxes around both: there other renderers differ.
 
 use glam::DVec3;
 
@@ -8,7 +8,7 @@ use crate::shape::Aabb;
 /// A shape, and a box around it.
 pub struct Body {
     pub at: Place,
-    /// Its name in messages.
+    /// The name in messages.
     pub title: String,
     pub around: Aabb,
     pub is_glass: bool,
