@@ -84,7 +84,8 @@ pub fn shape(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
     if let Some((medium, at)) = inside {
         if medium.extinction != Colour::splat(medium.extinction.x) {
             let found = medium.extinction.to_array();
-            let message = format!("expected one extinction of all channels of its medium, found {found:?}");
+            let message =
+                format!("expected one number for the extinction of all channels of its medium, found {found:?}");
             return Err(at.error("MakeNamedMedium", message));
         }
         reader.add_object(medium.inside(surfaces::without_material(object.clone())), &params.at);
