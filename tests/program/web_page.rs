@@ -12,7 +12,7 @@ fn a_page_is_a_folder_or_one_file() {
     let read = |name: &str| fs::read_to_string(sandbox.at(name)).expect("it is text");
     let html = read("page/index.html");
     for name in ["style.css", "main.js", "picture.png"] {
-        assert!(html.contains(name) && sandbox.at(&format!("page/{name}")).exists(), "{name}");
+        assert!(html.contains(name) && sandbox.at(format!("page/{name}")).exists(), "{name}");
     }
     assert!(!html.contains("{{") && html.contains("<title>sphere"), "{html}");
     let plan: serde_json::Value = serde_json::from_str(&read("page/plan.json")).expect("it is JSON");
