@@ -81,7 +81,8 @@ test-page: toolchain
 	@command -v chromium >/dev/null || $(call install, chromium, Chromium is missing)
 	cd tests/page && npm ci --silent
 	$(CARGO) build --release
-	PATH="$(CURDIR)/target/release:$$PATH" node --test tests/page
+	PATH="$(CURDIR)/target/release:$$PATH" node --test tests/page/dawn.test.mjs
+	PATH="$(CURDIR)/target/release:$$PATH" node --test tests/page/browser.test.mjs
 
 # Pages of some scenes, with an index, for a server of files: target/pages.
 PAGES = weekend.ron cornell.ron glass.ron lights.ron still-life.glb window.ron motion.ron

@@ -85,9 +85,14 @@ async function saved(page, kind) {
   throw new Error(`no ${kind} was saved`);
 }
 
+// Pauses the page, which ends the round that it has begun: then its samples stay as they are.
 async function paused(page) {
   await page.click("#pause");
-  await page.evaluate(() => new Promise(done => setTimeout(done, 1500)));
+  for (let [before, since] = ["", 0]; Date.now() - since < 3000; ) {
+    const now = await textOf(page, "samples");
+    if (now !== before || now.includes("ahead")) [before, since] = [now, Date.now()];
+    await new Promise(done => setTimeout(done, 50));
+  }
   return Number(await page.evaluate(() => document.body.dataset.samples));
 }
 
