@@ -88,7 +88,7 @@ async function saved(page, kind) {
 // Pauses the page, which ends the round that it has begun: then its samples stay as they are.
 async function paused(page) {
   await page.click("#pause");
-  for (let [before, since] = ["", 0]; Date.now() - since < 3000; ) {
+  for (let [before, since] = ["", Date.now()]; Date.now() - since < 3000; ) {
     const now = await textOf(page, "samples");
     if (now !== before || now.includes("ahead")) [before, since] = [now, Date.now()];
     await new Promise(done => setTimeout(done, 50));
