@@ -50,6 +50,8 @@ async function opened(url, prepare = async () => {}) {
 
 const until = (page, condition, ...values) => page.waitForFunction(condition, { timeout: 60000, polling: 50 }, ...values);
 const samples = (page, least) => until(page, least => Number(document.body.dataset.samples) >= least, least);
+// Waits for an image of the camera as it is now.
+const redrawn = page => until(page, () => Number(document.body.dataset.version) === player.version && Number(document.body.dataset.samples) >= 8);
 const textOf = (page, id) => page.$eval(`#${id}`, element => element.textContent);
 const shot = (page, name) => page.screenshot({ path: path.join(SHOTS, `${name}.png`) });
 
@@ -85,9 +87,8 @@ async function saved(page, kind) {
   throw new Error(`no ${kind} was saved`);
 }
 
-// Pauses the page, which ends the round that it has begun: then its samples stay as they are.
-async function paused(page) {
-  await page.click("#pause");
+// Waits until the page has ended the round that it has begun. The result is its samples, which stay as they are.
+async function rested(page) {
   for (let [before, since] = ["", Date.now()]; Date.now() - since < 3000; ) {
     const now = await textOf(page, "samples");
     if (now !== before || now.includes("ahead")) [before, since] = [now, Date.now()];
@@ -101,7 +102,8 @@ for (const from of ["server", "disk"]) {
     const { page, said } = await opened(urls[from]);
     await samples(page, 16);
     await until(page, () => /^[\d.]+ %, at most .* at 16 samples$/.test(document.getElementById("error").textContent));
-    const count = await paused(page);
+    await page.click("#pause");
+    const count = await rested(page);
     const { image, said: host } = rendered(SCENE, SIZE, count);
     const exr = await saved(page, "exr");
     const [own, right] = [readExr(exr), readExr(image)];
@@ -134,13 +136,11 @@ test("mouse and keys move the camera, and a reset brings it back", async () => {
   const differ = (a, b) => a.filter((code, i) => Math.abs(code - b[i]) > 40).length;
   await page.focus("#view");
   await page.keyboard.press("ArrowLeft");
-  await until(page, () => document.getElementById("samples").textContent === "moving");
-  await samples(page, 8);
+  await redrawn(page);
   assert.ok(differ(first, await codesOf(page)) > 1000);
   await shot(page, "orbit");
   await page.keyboard.press("0");
-  await until(page, () => document.getElementById("samples").textContent === "moving");
-  await samples(page, 8);
+  await redrawn(page);
   assert.ok(differ(first, await codesOf(page)) < 1000);
   for (const act of [
     async box => {
@@ -161,7 +161,7 @@ test("mouse and keys move the camera, and a reset brings it back", async () => {
     await act(await (await page.$("#view")).boundingBox());
     assert.notEqual(await page.evaluate(() => JSON.stringify(player.camera)), before);
   }
-  await samples(page, 8);
+  await redrawn(page);
   await page.click("#reset");
   assert.equal(await page.evaluate(() => player.camera.moved), false);
   // Two fingers: apart is nearer.
@@ -183,12 +183,9 @@ test("a hidden page rests", async () => {
     Object.defineProperty(document, "hidden", { value: hidden, configurable: true });
     document.dispatchEvent(new Event("visibilitychange"));
   }, hidden);
-  const pause = () => page.evaluate(() => new Promise(done => setTimeout(done, 2000)));
   await hide(true);
-  await pause();
-  const count = await page.evaluate(() => Number(document.body.dataset.samples));
-  await pause();
-  assert.equal(await page.evaluate(() => Number(document.body.dataset.samples)), count);
+  const count = await rested(page);
+  assert.equal(await rested(page), count);
   await hide(false);
   await samples(page, count + 8);
   await page.close();

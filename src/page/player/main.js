@@ -209,7 +209,7 @@ class Player {
     element("error").textContent = known ? `${percent(verdict.error)}, at most ${percent(verdict.bound)} (95 %), at ${verdict.samples} samples` : "not yet known";
     element("verdict").textContent = known ? (verdict.reliable ? "reliable" : `not reliable: ${verdict.why}`) : "none yet";
     element("pace").textContent = pace === null ? "" : `${(pace / 1e6).toPrecision(3)} million paths/s`;
-    document.body.dataset.samples = this.renderer?.done() ?? 0;
+    Object.assign(document.body.dataset, { samples: this.renderer?.done() ?? 0, version: this.version });
   }
 
   // Lamps at whose edges samples may be missing are known for the view that the page was made with.
