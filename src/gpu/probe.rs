@@ -172,11 +172,7 @@ pub fn judge(trials: &[Trial], answers: &[Answer]) -> Numerics {
         contraction: any(&|_, answer| answer.contracted & 0x7fff_ffff != 0),
         nan_compares: all(&|trial, answer| of_nan(trial, answer, 1)),
         nan_fails_comparisons: all(&|trial, answer| of_nan(trial, answer, 0b1000)),
-        nan_by_bits: all(&|trial, answer| {
-            let special = f32::from_bits(trial.special);
-            let right = u32::from(special.is_nan()) << 4 | u32::from(special.is_infinite()) << 5;
-            answer.classes_of_special & 0b11_0000 == right
-        }),
+        nan_by_bits: all(&|trial, answer| answer.classes_of_special & CLASSES_BY_BITS == classes_by_bits(trial)),
         loop_iterations: answers.first().map_or(0, |answer| loops_until(answer.loop_state)),
         subnormals: all(&|trial, answer| {
             let made = f64::from(f32::from_bits(trial.least)) / 16.0;
@@ -189,16 +185,12 @@ pub fn judge(trials: &[Trial], answers: &[Answer]) -> Numerics {
             _ => Rounding::Neither,
         },
         words_reach_one: any(&|_, answer| f32::from_bits(answer.uniform_of_32) >= 1.0),
-        uniforms_exact: all(&|trial, answer| {
-            answer.uniform_of_24 == ((trial.word >> 8) as f32 / 16_777_216.0).to_bits()
-        }),
+        uniforms_exact: all(&|trial, answer| answer.uniform_of_24 == uniform_of_24(trial)),
         log_error: largest(&|trial, answer| off(answer.logarithm, log(trial))),
         log_relative_error: largest(&|trial, answer| off(answer.logarithm, log(trial)) / log(trial).abs()),
         sin_error: largest(&|trial, answer| off(answer.sine, f64::from(trial.angle).sin())),
         sin_error_far: largest(&|trial, answer| off(answer.far_sine, f64::from(trial.far_angle).sin())),
-        edge_signs: all(&|trial, answer| {
-            answer.edge_sign == exact_edge_sign([trial.p_x, trial.p_y], [trial.q_x, trial.q_y])
-        }),
+        edge_signs: all(&|trial, answer| answer.edge_sign == edge_sign(trial)),
     }
 }
 
@@ -226,18 +218,12 @@ pub enum Right {
 /// The right answers, for programs that run the probe elsewhere.
 pub fn expected(trials: &[Trial]) -> Vec<Expected> {
     let words = |mask, right: &dyn Fn(&Trial) -> u32| Right::Words { mask, words: trials.iter().map(right).collect() };
-    let class = |trial: &Trial| {
-        let special = f32::from_bits(trial.special);
-        u32::from(special.is_nan()) << 4 | u32::from(special.is_infinite()) << 5
-    };
-    let uniform = |trial: &Trial| ((trial.word >> 8) as f32 / 16_777_216.0).to_bits();
-    let sign = |trial: &Trial| exact_edge_sign([trial.p_x, trial.p_y], [trial.q_x, trial.q_y]) as u32;
     let logarithms: Vec<f64> = trials.iter().map(|trial| f64::from(trial.log_of).ln()).collect();
     let of = |name: &str| match name {
         "loops" => ("loop_state", Right::Loops { least: LOOPS_NEEDED, all: LOOPS }),
-        "uniforms" => ("uniform_of_24", words(u32::MAX, &uniform)),
-        "bits" => ("classes_of_special", words(0b11_0000, &class)),
-        "signs" => ("edge_sign", words(u32::MAX, &sign)),
+        "uniforms" => ("uniform_of_24", words(u32::MAX, &uniform_of_24)),
+        "bits" => ("classes_of_special", words(CLASSES_BY_BITS, &classes_by_bits)),
+        "signs" => ("edge_sign", words(u32::MAX, &|trial| edge_sign(trial) as u32)),
         _ => ("logarithm", Right::Floats { error: LOG_ERROR, values: logarithms.clone() }),
     };
     let expected = |Property { name, without, .. }| {
@@ -245,6 +231,25 @@ pub fn expected(trials: &[Trial]) -> Vec<Expected> {
         Expected { property: name, without, member, right }
     };
     PROPERTIES.into_iter().map(expected).collect()
+}
+
+/// The bits of `classes_of_special` that tests by bits set.
+const CLASSES_BY_BITS: u32 = 0b11_0000;
+
+/// The right ones of these bits.
+fn classes_by_bits(trial: &Trial) -> u32 {
+    let special = f32::from_bits(trial.special);
+    u32::from(special.is_nan()) << 4 | u32::from(special.is_infinite()) << 5
+}
+
+/// The right bits of `uniform_of_24`.
+fn uniform_of_24(trial: &Trial) -> u32 {
+    ((trial.word >> 8) as f32 / 16_777_216.0).to_bits()
+}
+
+/// The right `edge_sign`.
+fn edge_sign(trial: &Trial) -> i32 {
+    exact_edge_sign([trial.p_x, trial.p_y], [trial.q_x, trial.q_y])
 }
 
 /// x + y minus its rounding to f32. Exact for exponents that are at most 24 apart, because their sum in f64 is.

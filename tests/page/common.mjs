@@ -60,7 +60,6 @@ export function readExr(file) {
     if (header.channels.readInt32LE(end + 1) > 2) throw new Error("expected floats");
     i = end + 1;
   }
-  const kinds = names.map((_, number) => number);
   const rows = { 0: 1, 2: 1, 3: 16 }[header.compression[0]];
   if (rows === undefined) throw new Error(`compression ${header.compression[0]} is not read`);
   const found = Object.fromEntries(names.map(name => [name, new Uint32Array(width * height)]));
@@ -68,7 +67,7 @@ export function readExr(file) {
     const start = Number(bytes.readBigUInt64LE(at + (8 * first) / rows));
     const packed = bytes.subarray(start + 8, start + 8 + bytes.readInt32LE(start + 4));
     const count = Math.min(rows, height - first);
-    const whole = 4 * width * kinds.length * count;
+    const whole = 4 * width * names.length * count;
     const block = packed.length === whole ? packed : unpacked(packed);
     for (let y = 0; y < count; y++) {
       names.forEach((name, channel) => {

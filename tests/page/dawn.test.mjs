@@ -81,13 +81,10 @@ test("what a stop cuts off is void, and the next image is as if it had not been"
 test("a device that leaves out work is found", async () => {
   const renderer = await rendererOf(pageOf("scenes/cornell.ron", "32x24"));
   renderer.begin(renderer.plan.size, 1 << 20);
-  const submit = renderer.device.queue.submit.bind(renderer.device.queue);
   const finish = renderer.finish.bind(renderer);
   // The receipt of a submission that never ran.
   renderer.finish = (flight, kind) => finish({ ...flight, receipt: flight.receipt + 1 }, kind);
   await assert.rejects(renderer.render(1), Broken);
-  renderer.finish = finish;
-  assert.ok(submit);
   renderer.device.destroy();
 });
 

@@ -74,9 +74,9 @@ export class Camera {
 
   // The settings of an image of this size, by name. At the start they are those of the host, to the bit.
   settings(size) {
+    if (this.isStart(size)) return {};
     const { pixel, lens_radius, focus, mirror, distance } = this.start;
     const width = (pixel * this.zoom() * this.full[1]) / size[1];
-    if (this.isStart(size)) return {};
     return {
       camera_place: this.place,
       forward: times(this.backward, -1),
