@@ -7,6 +7,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::data::CHANNELS;
 
+/// The group of the background.
+pub const BACKGROUND: &str = "background";
+/// The layer of the light without a group is named as if this were its group.
+pub const REST: &str = "rest";
+
 /// A channel, or three.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
 pub enum Aov {
@@ -42,6 +47,8 @@ pub enum Aov {
     Face0,
     /// Where in the pixel sample 0 is, in pixels from the pixel's left upper corner.
     Offset0,
+    /// The radiance of each group of lights, and of the lights without a group.
+    Lights,
 }
 
 /// The channels of sample 0. Their values are stored, each in a word of 32 bits: a mean over samples would blend surfaces at edges. Each has its
@@ -89,6 +96,8 @@ pub struct Aovs {
     list: Vec<Aov>,
     pub surface: SeenSurface,
     pub names: ChannelNames,
+    /// The groups of lights of the scene, in order; none without [`Aov::Lights`].
+    groups: Vec<String>,
 }
 
 /// What the film sums up for them.
@@ -148,10 +157,21 @@ impl Sum {
     }
 }
 
+/// The sums of a group of lights on the film: even and odd runs, and their light paths.
+pub fn sums_of_group(light_paths: bool) -> usize {
+    CHANNELS.len() * if light_paths { 4 } else { 2 }
+}
+
+/// The layer of a group of lights.
+pub fn layer_of_group(group: &str) -> String {
+    format!("light_{group}")
+}
+
 /// A channel of an image file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Channel {
     pub aov: Aov,
+    /// Of lights, the components of one group follow those of another, and those of the rest are last.
     pub component: usize,
     pub name: String,
 }
@@ -181,6 +201,16 @@ impl Aovs {
         list.sort_unstable();
         list.dedup();
         self.list = list;
+    }
+
+    /// The channels of a scene with these groups of lights.
+    pub fn of_groups(&self, groups: &[String]) -> Aovs {
+        Aovs { groups: if self.has(Aov::Lights) { groups.to_vec() } else { Vec::new() }, ..self.clone() }
+    }
+
+    /// The groups of lights that have sums.
+    pub fn groups(&self) -> &[String] {
+        &self.groups
     }
 
     /// Adds channels to those that there are.
@@ -216,9 +246,37 @@ impl Aovs {
         Sum::ALL.into_iter().filter(|sum| self.needs(*sum))
     }
 
-    /// How many sums a pixel has, by components.
-    pub fn count(&self) -> usize {
+    /// How many sums there are without those of lights, by components.
+    pub fn plain_count(&self) -> usize {
         self.sums().map(|sum| sum.components().len()).sum()
+    }
+
+    /// How many sums a run has, by components: those of lights are the last.
+    pub fn count(&self) -> usize {
+        self.plain_count() + CHANNELS.len() * self.groups.len()
+    }
+
+    /// How many sums a pixel has.
+    pub fn count_on_film(&self, light_paths: bool) -> usize {
+        self.plain_count() + sums_of_group(light_paths) * self.groups.len()
+    }
+
+    /// The sums of lights of a run, each with the number of its group and its name.
+    pub fn light_components(&self) -> impl Iterator<Item = (usize, String)> {
+        let of_group = |group| CHANNELS.map(|channel| (group, format!("light_of_{group}.{channel}")));
+        (0..self.groups.len()).flat_map(of_group)
+    }
+
+    /// The names of the sums of a pixel. Even and odd runs have sums of lights of their own, and so have their light paths.
+    pub fn names_on_film(&self, light_paths: bool) -> impl Iterator<Item = String> {
+        let plain = self.sum_components().map(|(_, name)| name);
+        let parts = ["even", "odd", "light_even", "light_odd"].into_iter().take(sums_of_group(light_paths) / CHANNELS.len());
+        let of_group = move |group: &String| {
+            let name = layer_of_group(group);
+            let of_part = move |part: &'static str| CHANNELS.map(|channel| format!("{name}.{part}.{channel}"));
+            parts.clone().flat_map(of_part)
+        };
+        plain.chain(self.groups.iter().flat_map(of_group))
     }
 
     /// The index of a sum's first component; `None` if the film does not have the sum.
@@ -258,6 +316,9 @@ impl Aovs {
     /// The channels of an image file.
     pub fn channels(&self) -> Vec<Channel> {
         let of_aov = |aov: &Aov| {
+            if *aov == Aov::Lights {
+                return self.channels_of_lights();
+            }
             let (layer, components) = self.layer(*aov);
             let name = move |component: &&str| match layer {
                 "" => (*component).to_string(),
@@ -267,6 +328,21 @@ impl Aovs {
             components.iter().map(name).enumerate().map(channel).collect::<Vec<_>>()
         };
         self.list.iter().flat_map(of_aov).collect()
+    }
+
+    fn channels_of_lights(&self) -> Vec<Channel> {
+        let rest = REST.to_string();
+        let groups = self.groups.iter().chain([&rest]);
+        let names = groups.flat_map(|group| CHANNELS.map(|channel| format!("{}.{channel}", self.layer_of_light(group))));
+        names.enumerate().map(|(component, name)| Channel { aov: Aov::Lights, component, name }).collect()
+    }
+
+    /// The layer of a group of lights in a file.
+    fn layer_of_light(&self, group: &str) -> String {
+        match self.names {
+            ChannelNames::Plain => layer_of_group(group),
+            ChannelNames::Blender => format!("Combined_{group}"),
+        }
     }
 
     /// The layer of a channel, and its components.
@@ -300,6 +376,8 @@ impl Aovs {
             (_, Aov::Uv0) => ("uv0", &["U", "V"]),
             (_, Aov::Face0) => ("face0", &["Y"]),
             (_, Aov::Offset0) => ("offset0", &["X", "Y"]),
+            // Their layers are those of the groups.
+            (_, Aov::Lights) => ("light", &CHANNELS),
         }
     }
 }
@@ -371,7 +449,7 @@ mod tests {
                 assert!(words[aovs.first_word(stored.0)].starts_with(stored.1), "{words:?}");
             }
             // With the nine of every film, a bit each shows which has left its range. The last bit is left to what follows, which may share it.
-            assert!(9 + aovs.count() < 32);
+            assert!(9 + aovs.plain_count() < 32);
         }
     }
 }

@@ -10,6 +10,7 @@ mod error;
 mod estimate;
 mod floats;
 mod lamps;
+mod lights;
 mod pixel;
 mod totals;
 mod values;

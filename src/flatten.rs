@@ -45,7 +45,7 @@ use crate::error::{Error, Result};
 use crate::material::{Emitted, LobeWidth, Model, Slot, Vertices};
 use crate::options::{FeatureSet, Integrator, RenderOptions};
 use crate::printable::and_more;
-use crate::scene::{Background, Bitmap, Material, Object, Scene, Step};
+use crate::scene::{Background, Bitmap, Material, Object, Scene, Step, light_groups};
 use crate::shape::mesh::{Mesh, MeshShape};
 use crate::shape::{BoundingShape, KINDS, ObjectTransform, RenderSpace, Shape, binary_exponent, exp2, mesh};
 use crate::threads::join;
@@ -125,6 +125,7 @@ pub fn flatten_with(
         let name = |(own, place): (Option<&str>, usize)| own.map_or_else(|| format!("objects[{place}]"), str::to_owned);
         flat.object_names = finder.primitives.iter().map(|primitive| name(primitive.name)).collect();
     }
+    flat.light_groups = light_groups::names(scene);
     flat.warnings.extend(without_light(scene, brightest));
     flat.warnings.extend(without_direction(scene, &view));
     flat.warnings.extend(hidden_emissions(scene, &emissions));
@@ -178,6 +179,7 @@ pub fn flatten_with(
         },
     );
     let mut flat = builder.flat;
+    flat.add_groups_of_materials(scene);
     check_tables(scene, &flat)?;
     flat.warnings.extend(warnings);
     let traced = flat.light_paths(options).count() > 0;

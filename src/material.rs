@@ -29,7 +29,7 @@ use crate::texture::{Texture, Use};
 
 pub use boundary::{glass_numbers, widths_of_boundary};
 pub use declared::{
-    Conductor, Dielectric, DiffuseLight, Distribution, Lambertian, MOST_ABSORPTION, MOST_DISPERSION, MOST_IOR,
+    Conductor, Dielectric, DiffuseLight, Distribution, LIGHT_GROUP, Lambertian, MOST_ABSORPTION, MOST_DISPERSION, MOST_IOR,
     MOST_THICKNESS, Material, Metal, Mix, Pbr, Plastic, RoughDielectric, ThinDielectric, is_white, is_zero,
 };
 pub use model::{Emission, Emitted, MaterialKind, Model, Vertices, emission_row};
@@ -83,6 +83,17 @@ impl Material {
         let is_dielectric = |kind: &MaterialKind| kind.shader == dielectric::KIND.shader;
         let smooth = Material::KINDS.iter().position(is_dielectric).filter(|_| is_smooth_glass);
         smooth.unwrap_or_else(|| self.number())
+    }
+
+    /// The group of the light that it emits.
+    pub fn light_group(&self) -> Option<&str> {
+        match self {
+            Material::Lambertian(own) => own.light_group.as_deref(),
+            Material::DiffuseLight(own) => own.light_group.as_deref(),
+            Material::Pbr(own) => own.light_group.as_deref(),
+            Material::Plastic(own) => own.light_group.as_deref(),
+            _ => None,
+        }
     }
 
     /// Whether light passes it.

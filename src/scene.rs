@@ -19,6 +19,7 @@ mod gltf_path;
 mod image_files;
 mod imported;
 mod inputs;
+pub mod light_groups;
 mod load;
 mod mesh_files;
 mod mitsuba;

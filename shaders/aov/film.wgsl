@@ -6,7 +6,7 @@
 const SUMS_OF_RADIANCE: u32 = 9u;
 
 fn add_aov(pixel: u32, run: RunRecord) {
-    for (var i = 0u; i < ${path_sums}u; i++) {
+    for (var i = 0u; i < ${plain_sums}u; i++) {
         add_to_film(pixel, SUMS_OF_RADIANCE + i, run.aov[i], SUM_FRACTION);
     }
 }

@@ -16,6 +16,10 @@ struct PixelTotals {
     // What sample 0 sees (stage/truth).
     stored: array<u32, ${stored_words}>,
     //@ end
+    //@ if aov.lights
+    // A bit for each group of lights with a sum that has left its range. Their sums stand before those of splats.
+    saturated_groups: array<atomic<u32>, ${words_of_groups}>,
+    //@ end
 }
 
 // Bits after the binary point of a sum of radiance, in device units, and of a sum of squares, in device units squared.

@@ -56,7 +56,7 @@ fn trace_to_lens(path: ptr<function, Path>, iterations: u32) -> u32 {
         (*path).throughput *= arriving;
     } else if any(arriving > vec3<f32>(0.0)) {
         let half = half_of_light_path(path);
-        record_splat(path, splat((*path).film_point, (*path).light_weight * arriving, half, (*path).film_choice));
+        record_splat(path, splat(path, (*path).film_point, (*path).light_weight * arriving, half, (*path).film_choice));
     }
     return iterations + steps;
 }

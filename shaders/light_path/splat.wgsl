@@ -4,6 +4,7 @@
 //@ use choice/clamp
 //@ use choice/seam
 //@ use choice/splat_filter
+//@ use choice/splat_lights
 //@ use step/film
 //@ use step/pixel_order
 //@ relies on bits
@@ -13,7 +14,7 @@ const FIRST_SPLAT: u32 = ${splat_sums}u;
 
 // Adds a contribution at a point of the film, per pixel of the image, to one of the pixels whose filter covers the point. `half`: whether the
 // run of the light path is even or odd. `u` chooses the pixel. Returns what was added.
-fn splat(at: vec2<f32>, contribution: vec3<f32>, half: u32, u: vec2<f32>) -> vec3<f32> {
+fn splat(path: ptr<function, Path>, at: vec2<f32>, contribution: vec3<f32>, half: u32, u: vec2<f32>) -> vec3<f32> {
     let target_pixel = across_seam(choose_pixel(at, u));
     let column = target_pixel.column - i32(settings.film_left);
     let row = target_pixel.row - i32(settings.film_top);
@@ -40,5 +41,6 @@ fn splat(at: vec2<f32>, contribution: vec3<f32>, half: u32, u: vec2<f32>) -> vec
         add_to_film(pixel, FIRST_SPLAT + 3u * half + i, value[i], SUM_FRACTION);
         add_to_film(pixel, FIRST_SPLAT + 6u + i, value[i] * value[i], SQUARE_FRACTION);
     }
+    splat_light(path, pixel, value, half);
     return value;
 }

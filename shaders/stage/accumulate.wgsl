@@ -3,6 +3,7 @@
 //@ use step/count
 //@ use step/film
 //@ use choice/aov_film
+//@ use choice/film_lights
 //@ use step/pixel_order
 // Adds the finished runs to the film. It is a kernel of its own, where every invocation has a run to add. In the kernel that ends runs,
 // few invocations would.
@@ -22,6 +23,7 @@ fn accumulate(@builtin(global_invocation_id) id: vec3<u32>) {
         let pixel = rank_of_pixel(run.pixel) - window.first_pixel;
         paths += add_run(pixel, run);
         add_aov(pixel, run);
+        add_lights_of_run(pixel, run);
         rays += run.rays;
     }
     count(PATHS, paths);

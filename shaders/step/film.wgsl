@@ -1,6 +1,7 @@
 //@ use bind/film
 //@ use bind/counters
 //@ use choice/filter_weight
+//@ use choice/saturation
 //@ relies on bits
 // Adds finished runs to the film.
 
@@ -25,7 +26,7 @@ fn add_to_film(pixel: u32, sum: u32, value: f32, fraction: u32) {
     }
     // The mantissa has 24 bits, and the sum 127 and a sign.
     if shift > 103 {
-        atomicOr(&film[pixel].saturated, saturated_bit(sum));
+        mark_saturated(pixel, sum);
         return;
     }
     let left_shift = u32(max(shift, 0));
@@ -53,7 +54,7 @@ fn add_to_film(pixel: u32, sum: u32, value: f32, fraction: u32) {
         }
         // The highest bit is the sum's sign, and shows where the sum leaves its range of ±2^127. `low` may be a carry of the words below.
         if word == 3u && ((before ^ after) >> 31u) == 1u && (before >> 31u == 1u) == negative {
-            atomicOr(&film[pixel].saturated, saturated_bit(sum));
+            mark_saturated(pixel, sum);
         }
         high = 0u;
         word++;

@@ -7,6 +7,7 @@
 //@ use choice/clamp
 //@ use choice/probe
 //@ use choice/aov_direct
+//@ use choice/light_groups
 //@ use choice/delta_lights
 //@ use choice/light_crossings
 //@ use choice/light_surfaces
@@ -116,6 +117,7 @@ fn add_light_of_shadow(path: ptr<function, Path>, limit: Hit, hit: Hit) -> u32 {
         (*path).light_weight *= weigh_sample_beside_light_paths(path, hit);
         contribution = (*path).light_weight * radiance;
         record_light_of_shadow(path, hit, emitted, radiance);
+        record_light(path, hit, limited_light(contribution));
     } else if hit.code == PATH_CUT {
         status = PATH_CUT;
     }

@@ -7,6 +7,7 @@
 //@ use choice/found_sky
 //@ use choice/aov_direct
 //@ use choice/aov_record
+//@ use choice/light_groups
 //@ use choice/filter_weight
 //@ use choice/sampled_light
 //@ relies on bits
@@ -32,6 +33,7 @@ fn refill_path(path: ptr<function, Path>) {
         let background = background_radiance((*path).ray.direction);
         radiance = weigh_sky(path, radiance) * background;
         record_sky(path, background, radiance);
+        record_light(path, hit_at(HIT_NOTHING, VERY_FAR), limited_indirect(radiance, (*path).depth));
     }
     if (*path).status == PATH_TOO_DEEP {
         count_too_deep(radiance);
@@ -49,6 +51,7 @@ fn refill_path(path: ptr<function, Path>) {
         (*path).counts += 0x10000u;
     } else {
         add_direct(path);
+        add_lights(path);
         (*path).squares += squared_deviation((*path).counts & 0xffu, (*path).sum.sum, radiance);
         (*path).counts += 1u;
         (*path).sum = compensated_sum((*path).sum, radiance, settings.zero);

@@ -14,6 +14,8 @@
 //@ use choice/surface_light
 //@ use choice/density_ratio
 //@ use choice/aov_surface
+//@ use choice/clamp
+//@ use choice/light_groups
 //@ use scene/materials
 //@ use scene/interaction
 // The material at the path's hit scatters the path or ends it.
@@ -39,7 +41,7 @@ fn scatter_path(path: ptr<function, Path>) {
 
     // Emission, whose MIS weight needs the density of the event before. Then light sampling, which stores the density of this event.
     let emission_weight = weight_of_emission(path, hit, surface, radiance_of_surface(interaction, bsdf), bsdf.event);
-    add_surface_emission(path, interaction, bsdf, emission_weight);
+    add_surface_emission(path, hit, interaction, bsdf, emission_weight);
     (*path).throughput *= select(1.0, emission_weight, bsdf.event == EMITTED);
     sample_light_at_surface(path, hit, surface, frame, interaction, evaluated, bsdf, u.y);
 
@@ -75,6 +77,7 @@ fn continue_path(
     } else {
         (*path).status = PATH_ENDED;
         (*path).throughput = select(vec3<f32>(0.0), throughput, bsdf.event == EMITTED);
+        record_light(path, hit, limited_indirect((*path).throughput, depth));
     }
 }
 

@@ -9,6 +9,7 @@
 //@ use step/pixel_order
 //@ use choice/probe
 //@ use choice/aov_record
+//@ use choice/light_groups
 //@ use choice/mark_of_run
 // Starts a sample or a run.
 
@@ -27,6 +28,7 @@ fn start_sample(path: ptr<function, Path>) {
     (*path).throughput = vec3<f32>(select(0.0, 1.0, has_direction((*path).ray)));
     (*path).depth = 0u;
     (*path).direct = vec3<f32>(0.0);
+    begin_lights(path);
     (*path).seen = 0u;
     (*path).radiance = vec3<f32>(0.0);
     (*path).pdf = 0.0;

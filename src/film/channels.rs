@@ -1,11 +1,12 @@
 //! The exact sums of a pixel that not every film has: those of the channels of `--aov`, and those of the splats of light paths.
 
 use std::mem::size_of;
+use std::ops::Range;
 
 use glam::DVec3;
 
 use super::floats::exp2;
-use crate::aov::{Aov, Aovs, SceneSpace, Sum};
+use crate::aov::{Aov, Aovs, SceneSpace, Sum, sums_of_group};
 use crate::data::{CHANNELS, FILM_SUMS, PixelTotals, Rgb, RunRecord, SPLAT_SUMS, SUM_FRACTION};
 use crate::error::{Error, Result};
 use crate::memory;
@@ -54,7 +55,8 @@ impl Splats {
 
 /// Bytes of a pixel of the device's film.
 pub fn device_bytes(aovs: &Aovs, light_paths: bool) -> u64 {
-    let words = aovs.words_of_kernels().len();
+    // Behind the words, one says which groups of lights have left their range.
+    let words = aovs.words_of_kernels().len() + usize::from(!aovs.groups().is_empty());
     (size_of::<PixelTotals>() + count(aovs, light_paths) * size_of::<[u32; 4]>() + words * size_of::<u32>()) as u64
 }
 
@@ -65,14 +67,13 @@ pub fn record_bytes(aovs: &Aovs) -> u64 {
 
 /// The number of sums of a pixel behind those of every film.
 pub(super) fn count(aovs: &Aovs, light_paths: bool) -> usize {
-    aovs.count() + if light_paths { SPLAT_SUMS } else { 0 }
+    aovs.count_on_film(light_paths) + if light_paths { SPLAT_SUMS } else { 0 }
 }
 
 /// The names of these sums, in their order.
 pub(super) fn names(aovs: &Aovs, light_paths: bool) -> impl Iterator<Item = String> {
     let splats = ["light_even", "light_odd", "light_squares"].into_iter().filter(move |_| light_paths);
-    aovs.sum_components()
-        .map(|(_, name)| name)
+    aovs.names_on_film(light_paths)
         .chain(splats.flat_map(|name| CHANNELS.map(|channel| format!("{name}.{channel}"))))
 }
 
@@ -128,7 +129,9 @@ impl Channels {
     /// Adds the sums of a pixel from a device, where they follow its totals, and keeps the words of sample 0 behind them.
     pub fn add_from_device(&mut self, index: usize, totals: &PixelTotals, rest: &[u8], motion: Option<MotionOf<'_>>) {
         let (sums, words) = rest.split_at(self.count * size_of::<[u32; 4]>());
-        let words: Vec<u32> = words.chunks_exact(size_of::<u32>()).map(bytemuck::pod_read_unaligned).collect();
+        let mut words: Vec<u32> = words.chunks_exact(size_of::<u32>()).map(bytemuck::pod_read_unaligned).collect();
+        let (groups, each) = (self.groups(), sums_of_group(self.light_paths));
+        let saturated_groups = if groups.is_empty() { 0 } else { words.pop().unwrap_or_default() };
         match words.split_first_chunk() {
             Some((seen, others)) if self.aovs.has(Aov::Motion) => {
                 let motion = motion.map_or([0; 4], |motion| motion(*seen));
@@ -139,7 +142,11 @@ impl Channels {
         let Some(mine) = self.of_mut(index) else { return };
         for (number, (mine, words)) in mine.iter_mut().zip(sums.chunks_exact(size_of::<[u32; 4]>())).enumerate() {
             let words: [u32; 4] = bytemuck::pod_read_unaligned(words);
-            let sum = match has_saturated(totals, FILM_SUMS + number) {
+            let is_saturated = match groups.contains(&number) {
+                true => saturated_groups >> ((number - groups.start) / each) & 1 == 1,
+                false => has_saturated(totals, FILM_SUMS + number),
+            };
+            let sum = match is_saturated {
                 false => i128::from_le_bytes(bytemuck::cast(words.map(u32::to_le))),
                 true => i128::MAX,
             };
@@ -166,6 +173,21 @@ impl Channels {
 
     pub fn of_mut(&mut self, index: usize) -> Option<&mut [i128]> {
         self.sums.get_mut(index * self.count..(index + 1) * self.count)
+    }
+
+    /// The indices of the sums of groups of lights.
+    fn groups(&self) -> Range<usize> {
+        self.aovs.plain_count()..self.aovs.count_on_film(self.light_paths)
+    }
+
+    /// The sums of a group of lights of a pixel: of even and of odd runs, and of their light paths. `None` if one has left its range.
+    pub fn light(&self, index: usize, group: usize) -> Option<[Rgb<i128>; 4]> {
+        let each = sums_of_group(self.light_paths);
+        let first = self.groups().start + group * each;
+        let sums = self.sums_of_pixel(index).get(first..first + each)?;
+        let mut light = [[0; 3]; 4];
+        light.iter_mut().flatten().zip(sums).for_each(|(light, sum)| *light = *sum);
+        (!sums.contains(&i128::MAX)).then_some(light)
     }
 
     /// The splats of a pixel; none if the film has no light paths.

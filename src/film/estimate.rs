@@ -128,7 +128,7 @@ impl Estimate {
 }
 
 /// A sum in units of 2^-[`SUM_FRACTION`] divided by a count; 0 if the count is 0.
-fn mean(sum: i128, count: f64) -> f64 {
+pub(super) fn mean(sum: i128, count: f64) -> f64 {
     if count == 0.0 { 0.0 } else { sum as f64 * exp2(-(SUM_FRACTION as i32)) / count }
 }
 

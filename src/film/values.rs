@@ -61,6 +61,7 @@ impl Film {
             Aov::Object => channels.sum(index, Sum::Object, 0)?,
             Aov::Material => channels.sum(index, Sum::Material, 0)?,
             Aov::Direct => direct()? * radiance,
+            Aov::Lights => self.light_value(index, component)? * radiance,
             Aov::Indirect => {
                 let (total, direct) = (self.estimate(index).mean(component), direct()?);
                 let rest = total - direct;

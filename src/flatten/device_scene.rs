@@ -1,22 +1,26 @@
 //! A scene in the layout of the kernels.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::features::Features;
 use super::neighbours::Neighbours;
 use super::view::Placement;
-use crate::aov::SceneSpace;
+use crate::aov::{Aovs, SceneSpace};
 use crate::bitmap::SRGB;
 use crate::bvh::Bvh;
 use crate::data::{self, HIT_NOTHING, PRIMITIVE_BIT, Tables};
 use crate::lobe::Rows;
 use crate::options::{LightPaths, RenderOptions};
-use crate::scene::Bitmap;
+use crate::scene::{Bitmap, Scene};
 
 /// Light paths pay if the solid angle of the lights, seen from what is specular, is below this, in sr. Measured (docs/dev/performance-log.md).
 const LARGEST_SOLID_ANGLE: f64 = 0.17;
 /// The best number of light paths for eight samples where a light has no size. Measured (docs/dev/performance-log.md).
 const PATHS_TO_DELTA_LIGHTS: u32 = 4;
+
+/// Stands for the group of a light that has none.
+pub const NO_GROUP: u32 = u32::MAX;
 
 /// A scene in the layout of the kernels.
 #[derive(Clone, Debug, Default)]
@@ -51,6 +55,10 @@ pub struct DeviceScene {
     pub material_names: Vec<String>,
     /// With `--aov object`: the names of the primitives, in the order of their numbers.
     pub object_names: Vec<String>,
+    /// The groups of lights, in order.
+    pub light_groups: Vec<String>,
+    /// The number of the group of each light without size, then of each row of `materials`; [`NO_GROUP`] where there is none.
+    pub groups_of_lights: Vec<u32>,
     /// How objects move while the shutter is open (shaders/data/motion); empty if nothing does.
     pub motions: Vec<[u32; 4]>,
     pub textures: Vec<data::Texture>,
@@ -91,6 +99,27 @@ impl DeviceScene {
             LightPaths::Auto => LightPaths::Off,
             given => given,
         }
+    }
+
+    /// The channels of a render with these options.
+    pub fn aovs(&self, options: &RenderOptions) -> Aovs {
+        options.aov.of_groups(&self.light_groups)
+    }
+
+    /// The number of the group of this name.
+    pub(super) fn group_of(&self, name: Option<&str>) -> u32 {
+        let index = self.light_groups.iter().position(|group| Some(group.as_str()) == name);
+        index.map_or(NO_GROUP, |index| index as u32)
+    }
+
+    /// Adds the groups of the rows of materials behind those of lights without size.
+    pub(super) fn add_groups_of_materials(&mut self, scene: &Scene) {
+        self.features.quantities.delta_lights = self.delta_lights.len() as u32;
+        let groups: HashMap<&str, u32> = { scene.materials.iter() }
+            .map(|(name, material)| (name.as_str(), self.group_of(material.light_group())))
+            .collect();
+        let group = |name: &String| groups.get(name.as_str()).copied().unwrap_or(NO_GROUP);
+        self.groups_of_lights.extend(self.material_names.iter().map(group));
     }
 
     /// The words of the buffer of texels, in parts: the table of sRGB codes if an image has them, then the images.

@@ -177,6 +177,8 @@ pub struct Quantities {
     pub sky_light: u32,
     /// The index of the first light without size.
     pub first_delta_light: u32,
+    /// The number of lights without size that are sampled.
+    pub delta_lights: u32,
     /// The number of boxes at which light paths are aimed.
     pub aims: u32,
     /// The solid angle of the lights at which light paths start, seen from these boxes, in sr: that of one light with the power of all of them, by which

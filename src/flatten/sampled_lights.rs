@@ -235,6 +235,8 @@ impl Builder<'_> {
         let steps = in_space(motion, space);
         let position = light.around(self.space).min;
         self.add_motion_of_light(self.flat.delta_lights.len(), motion, position, space);
+        let group = self.flat.group_of(object.light_group());
+        self.flat.groups_of_lights.push(group);
         let features = &mut self.flat.features;
         let reason = || format!("{} at {}", object.name(), self.scene.location_of(object));
         features.require("delta_light", reason);

@@ -24,6 +24,8 @@ const ALBEDO: Field = texture(Use::Albedo.range());
 const RADIANCE: Field = texture(Use::Radiance.range());
 const NAME: Field = other("a material's name in quotes");
 const SHARE: Field = varying(Range::SHARE);
+/// Of materials and of lights without size.
+pub const LIGHT_GROUP: Field = other("a name in quotes").or("none");
 
 declare! {
     /// A material as the scene file writes it.
@@ -43,6 +45,8 @@ declare! {
             @default emission: Option<Texture> = RADIANCE.or("none: it emits nothing");
             /// Whether it emits from its front alone, and reflects on both sides.
             @default one_sided_emission: bool = flag().or("false");
+            /// The group of its light, which `--aov lights` writes as a layer of its own. [compositing.md](compositing.md) says more.
+            @default light_group: Option<String> = LIGHT_GROUP;
             /// The share of light that it stops; the rest passes straight on, as if the surface were not there.
             #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]
             alpha: Texture = SHARE.or("1");
@@ -94,6 +98,7 @@ declare! {
             /// side is black.
             #[serde(default = "yes")]
             two_sided: bool = flag().or("true");
+            @default light_group: Option<String> = lambertian::FIELDS.light_group;
         }
         /// A metal, polished or rough, with microfacets. Its colour is an `albedo`, or the measured `eta` and `k` of a real
         /// metal. Light that microfacets would reflect more than once is lost, unless `multiscatter` is true.
@@ -228,6 +233,7 @@ declare! {
             @default multiscatter: bool = conductor::FIELDS.multiscatter;
             @default emission: Option<Texture> = lambertian::FIELDS.emission;
             @default one_sided_emission: bool = lambertian::FIELDS.one_sided_emission;
+            @default light_group: Option<String> = lambertian::FIELDS.light_group;
             #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]
             alpha: Texture = lambertian::FIELDS.alpha;
             @default alpha_cutoff: Option<f64> = lambertian::FIELDS.alpha_cutoff;
@@ -276,6 +282,7 @@ declare! {
             @default nonlinear: bool = flag().or("false");
             @default emission: Option<Texture> = lambertian::FIELDS.emission;
             @default one_sided_emission: bool = lambertian::FIELDS.one_sided_emission;
+            @default light_group: Option<String> = lambertian::FIELDS.light_group;
             #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]
             alpha: Texture = lambertian::FIELDS.alpha;
             @default one_sided: bool = lambertian::FIELDS.one_sided;

@@ -58,6 +58,7 @@ impl Kernels {
                 &flat.directional_albedos,
                 "directional albedos of rough metals by single scattering",
             )),
+            array(table("light_groups", &flat.groups_of_lights, "the groups of lights")),
             array(table("motions", &flat.motions, "how objects move while the shutter is open")),
             array(table("meshes", &flat.meshes, "faces and vertices of meshes")),
             array(table("face_pairs", &flat.face_pairs, "faces of meshes as walks read them")),

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::facts::{Purpose, facts};
 use super::state::{PathField, path_fields, path_layout, path_module, slots_module};
 use super::tables::UniformTables;
-use crate::aov::{Aovs, Finder, Sum};
+use crate::aov::{Aovs, BACKGROUND, Finder, Sum, sums_of_group};
 use crate::bitmap::FORMATS;
 use crate::data::{FILM_SUMS, KIND_INSTANCE, KIND_TRIANGLE, RUN_LENGTH, SPLAT_SUMS};
 use crate::flatten::{BACKGROUNDS, BOUNDARIES, Features, PRIMITIVES, Quantities, TEXTURES};
@@ -221,7 +221,9 @@ fn values(
 ) -> Vec<(&'static str, u32)> {
     let has = |fact: &str| reason_of(facts, fact).is_some();
     let extensions = evaluated_rows().filter(|row| has(row.name)).count() as u32;
-    let splat_sums = if options.light_paths.count() > 0 { SPLAT_SUMS } else { 0 };
+    let traces_light = options.light_paths.count() > 0;
+    let (splat_sums, on_film) = (if traces_light { SPLAT_SUMS } else { 0 }, options.aov.count_on_film(traces_light));
+    let background = options.aov.groups().iter().position(|group| group == BACKGROUND);
     vec![
         // WGSL has no empty arrays.
         ("stack_size", own.stack_size + 1),
@@ -248,8 +250,15 @@ fn values(
         ("run_length", RUN_LENGTH),
         ("stored_words", options.aov.words_of_kernels().len() as u32),
         // The sums of a pixel of the film, and the `--aov` sums of a path.
-        ("film_sums", (FILM_SUMS + options.aov.count() + splat_sums) as u32),
-        ("splat_sums", (FILM_SUMS + options.aov.count()) as u32),
+        ("film_sums", (FILM_SUMS + on_film + splat_sums) as u32),
+        ("splat_sums", (FILM_SUMS + on_film) as u32),
+        ("plain_sums", options.aov.plain_count() as u32),
+        // The groups of lights, the sums of each on the film, and where their numbers begin in the table of groups.
+        ("light_groups", options.aov.groups().len() as u32),
+        ("sums_of_group", sums_of_group(traces_light) as u32),
+        ("words_of_groups", options.aov.groups().len().div_ceil(32) as u32),
+        ("background_group", background.unwrap_or_default() as u32),
+        ("delta_lights", own.delta_lights),
         ("lights", own.lights),
         ("aims", own.aims),
         ("first_delta_light", own.first_delta_light),

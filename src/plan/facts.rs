@@ -59,6 +59,8 @@ const DERIVED: &[(&str, &str)] = &[
     ("aov_hit", "aov.hit & surface"),
     ("aov_surface", "aov.surface & event"),
     ("aov_rough", "aov_surface & seen.rough"),
+    // Radiance is stored until a sample ends.
+    ("aov_until_end", "aov.direct | aov.lights"),
     // Light paths meet narrow lobes, or solids that absorb light.
     ("light_paths_of_narrow_lobes", "scene.narrow_lobe & light_paths"),
     ("light_paths_through_solids", "scene.absorbing & light_paths"),
@@ -164,12 +166,13 @@ pub(super) fn facts(features: &Features, options: &RenderOptions, purpose: Purpo
     let given = Reason::Requested(options::AOV.as_given(options));
     let found_by = |finder: Finder| options.aov.sums().any(|sum| sum.finder() == finder);
     facts.extend([
-        is("aov", options.aov.sums().next().is_some(), given.clone()),
+        is("aov", options.aov.count() > 0, given.clone()),
         is("truth", options.aov.stored().next().is_some(), given.clone()),
         is("truth.uv", options.aov.has(Aov::Uv0), given.clone()),
         is("aov.hit", found_by(Finder::Hit), given.clone()),
         is("aov.surface", found_by(Finder::Surface), given.clone()),
         is("aov.direct", found_by(Finder::Direct), given.clone()),
+        is("aov.lights", !options.aov.groups().is_empty(), given.clone()),
         is("seen.rough", options.aov.surface == SeenSurface::Rough, given),
     ]);
     for (name, when) in CONDITIONS.iter() {

@@ -78,17 +78,22 @@ impl PathField {
 /// The most bytes of a path's state in any scene: without channels of `--aov`, and what these add.
 const MOST_PATH_BYTES: u64 = 168;
 const MOST_BYTES_OF_AOVS: u64 = 80;
+/// The bytes of a group of lights: its radiance of the sample, and its sums.
+const BYTES_OF_A_GROUP: u64 = 24;
 /// What light paths add.
 const MOST_BYTES_OF_LIGHT_PATHS: u64 = 36;
 
 /// The most bytes of a path's state in any scene with these channels.
 pub fn most_path_bytes(aovs: &Aovs, light_paths: bool) -> u64 {
     let of_light_paths = if light_paths { MOST_BYTES_OF_LIGHT_PATHS } else { 0 };
-    MOST_PATH_BYTES + of_light_paths + if aovs.is_empty() { 0 } else { MOST_BYTES_OF_AOVS }
+    let of_groups = BYTES_OF_A_GROUP * aovs.groups().len() as u64;
+    MOST_PATH_BYTES + of_light_paths + of_groups + if aovs.is_empty() { 0 } else { MOST_BYTES_OF_AOVS }
 }
 
 /// The member of a path that holds the sums of `--aov`.
 const AOV: &str = "aov";
+/// The member that holds the radiance of a sample by groups of lights.
+const LIGHT: &str = "light_of_group";
 
 /// The members of a path that are no fields: structs, whose members are fields; the history, which is packed with the depth; what panes
 /// let pass of a shadow ray, from its walk to its light; the densities of that light's direction by all techniques of camera paths;
@@ -139,7 +144,8 @@ fn all_fields(facts: &Facts, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
     let [lights, instances, mesh_lights] = ["light", "instance", "light_instance"].map(staged);
     let [probes, ratios] = ["probed", "light_paths_of_narrow_lobes"].map(staged);
     let [sampled, traced, solids] = ["sampled_light", "light_paths", "light_paths_through_solids"].map(why);
-    let [aov_hit, aov_surface, aov_rough, aov_direct] = ["aov_hit", "aov_surface", "aov_rough", "aov.direct"].map(why);
+    let [aov_hit, aov_surface, aov_rough] = ["aov_hit", "aov_surface", "aov_rough"].map(why);
+    let [aov_direct, aov_lights] = ["aov.direct", "aov.lights"].map(why);
     let row = |why: &Option<String>, group, name: &str, words, w_of, member: &str, code, what: &str| {
         let (name, member, what) = (name.to_string(), member.to_string(), what.to_string());
         (PathField { name, words, w_of, what, why: String::new(), group, member, code }, why.clone())
@@ -181,6 +187,15 @@ fn all_fields(facts: &Facts, aovs: &Aovs) -> Vec<(PathField, Option<String>)> {
         word(&instances, "hit", "instance", Word, "the mesh's instance, or the side of the body, that was hit"),
         word(&mesh_lights, "shadow", "light_instance", Word, "the instance whose mesh the light is a face of"),
     ];
+    for group in 0..aovs.groups().len() {
+        let (name, member) = (format!("LIGHT_OF_{group}"), format!("{LIGHT}[{group}]"));
+        all.push(vector(&aov_lights, "direct", &name, &member, "radiance of the sample so far, by a group of lights"));
+    }
+    for (index, (group, name)) in (aovs.plain_count()..).zip(aovs.light_components()) {
+        let what = format!("sum of light group {group} over the run's samples");
+        let field = format!("sum_of_{}", name.replace('.', "_"));
+        all.push(row(&aov_lights, "aov_direct", &field, 1, None, &format!("{AOV}[{index}]"), Float, &what));
+    }
     for (index, (sum, name)) in aovs.sum_components().enumerate() {
         let (why, group) = match sum.finder() {
             Finder::Hit => (&aov_hit, "aov_hit"),
@@ -200,7 +215,7 @@ pub fn path_module(aovs: &Aovs) -> String {
         OTHER_MEMBERS.iter().map(|(name, kind)| (name.to_string(), kind.to_string())).collect();
     for (field, _) in all_fields(&Facts::new(), aovs) {
         let has = |name: &str| members.iter().any(|(member, _)| member == name);
-        if has(field.member.split('.').next().unwrap_or_default()) || field.member.starts_with(AOV) {
+        if has(field.member.split('.').next().unwrap_or_default()) || field.member.contains('[') {
             continue;
         }
         let kind = match (field.words, field.code) {
@@ -212,6 +227,9 @@ pub fn path_module(aovs: &Aovs) -> String {
     }
     // WGSL has no empty arrays.
     members.push((AOV.to_string(), format!("array<f32, {}>", aovs.count().max(1))));
+    if !aovs.groups().is_empty() {
+        members.push((LIGHT.to_string(), format!("array<vec3<f32>, {}>", aovs.groups().len())));
+    }
     let members: String = members.iter().map(|(name, kind)| format!("    {name}: {kind},\n")).collect();
     format!("struct Path {{\n{members}}}\n")
 }

@@ -126,7 +126,7 @@ pub fn empty_film(scene: &DeviceScene, (width, height): (u32, u32), options: &Re
     let frame = Frame { part: Crop { left, top, width, height }, full: (image_width, image_height) };
     let film = Film::with_sampler(width, height, scene.radiance_exponent, options.sampler)?.of_part(frame);
     let has_light_paths = scene.light_paths(options).count() > 0;
-    let mut film = film.with_channels(&options.aov, scene.space, has_light_paths)?.with_lamps(&scene.lamps);
+    let mut film = film.with_channels(&scene.aovs(options), scene.space, has_light_paths)?.with_lamps(&scene.lamps);
     film.bound.not_sampled = scene.not_sampled;
     Ok(film)
 }

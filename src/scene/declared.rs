@@ -10,6 +10,7 @@ use super::animation_frame::FPS;
 use super::projection::Projection;
 use crate::delta_light::{DeltaLight, Falloff};
 use crate::error::{Error, Result};
+use crate::material::LIGHT_GROUP;
 use crate::shape::mesh::MeshShape;
 use crate::shape::{self, Shape, ShapeKind};
 use crate::source::declare::declare;
@@ -290,6 +291,8 @@ declare! {
             /// Power per solid angle. A surface that faces the light at a distance d gets the irradiance intensity / d². Transforms do not
             /// scale it.
             intensity: Colour = RADIANCE;
+            /// As of a material that emits.
+            @default light_group: Option<String> = LIGHT_GROUP;
         }
         /// A `PointLight` with a beam.
         SpotLight: spot_light, "SpotLight(at: (0, 3, 1), towards: (0, 0, 0), intensity: (5, 5, 5), inner: 20, outer: 30)" {
@@ -304,6 +307,7 @@ declare! {
             outer: f64 = ANGLE.or("45");
             /// `Gltf`: s², with s the share of the cosine between them. `Smooth`: s²(3 - 2s). `Linear`: the share of the angle.
             @default falloff: Falloff = other("Gltf, Linear or Smooth").or("Gltf");
+            @default light_group: Option<String> = point_light::FIELDS.light_group;
         }
         /// A light so far away that it reaches everything from one direction, like a sun without size. What is said of a `PointLight`
         /// holds for it.
@@ -312,6 +316,7 @@ declare! {
             direction: DVec3 = vector();
             /// Power per area of a surface that faces the light, the same everywhere.
             irradiance: Colour = RADIANCE;
+            @default light_group: Option<String> = point_light::FIELDS.light_group;
         }
         /// An object that is moved, turned or scaled.
         Transformed: transformed,
@@ -413,13 +418,23 @@ impl Object {
     /// The light without size that it is, if it is one.
     pub fn delta_light(&self) -> Option<DeltaLight> {
         match *self {
-            Object::PointLight { at, intensity } => Some(DeltaLight::Point { at, intensity }),
-            Object::SpotLight { at, towards, intensity, inner, outer, falloff } => {
+            Object::PointLight { at, intensity, .. } => Some(DeltaLight::Point { at, intensity }),
+            Object::SpotLight { at, towards, intensity, inner, outer, falloff, .. } => {
                 Some(DeltaLight::Spot { at, towards, intensity, inner, outer, falloff })
             }
-            Object::DirectionalLight { direction, irradiance } => {
+            Object::DirectionalLight { direction, irradiance, .. } => {
                 Some(DeltaLight::Directional { direction, irradiance })
             }
+            _ => None,
+        }
+    }
+
+    /// The group of its light, if it is a light without size.
+    pub fn light_group(&self) -> Option<&str> {
+        match self {
+            Object::PointLight { light_group, .. }
+            | Object::SpotLight { light_group, .. }
+            | Object::DirectionalLight { light_group, .. } => light_group.as_deref(),
             _ => None,
         }
     }

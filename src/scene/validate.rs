@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use super::declared::{LARGEST_AREA, rotate, scale};
 use super::findings::Findings;
+use super::light_groups;
 use super::model::Scene;
 use super::nearest::{meant, one_of};
 use super::types::*;
@@ -26,6 +27,7 @@ pub fn validate(scene: &Scene, findings: &mut Findings) {
         findings.record(value.check(&top.field("materials").key(name)));
     }
     objects(scene, findings);
+    light_groups::check(scene, findings);
     findings.record_all(scene.render.check_fields(&top.field("render")));
 }
 

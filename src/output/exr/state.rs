@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::attribute::{Attribute, CHECKSUM, STATE, attribute_text, checksum, decoded};
 use super::read::{Opened, attributes_of, open, pixels_of, read_part};
-use crate::aov::SceneSpace;
+use crate::aov::{Aovs, SceneSpace};
 use crate::data::{LampPixel, SampleVariance, Sampler};
 use crate::error::{Error, Result};
 use crate::film::{Accumulation, Bound, Film, Totals, add_devices, sample_variance_of, word_names};
@@ -41,6 +41,9 @@ pub struct State {
     pub space: Option<SceneSpace>,
     /// Whether the film has sums of light paths.
     pub light_paths: bool,
+    /// The groups of lights that the film has sums of.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub light_groups: Vec<String>,
     /// The largest radiance of what is not sampled as a light, in device units. States of before do not have it.
     #[serde(default)]
     not_sampled: Option<f64>,
@@ -70,6 +73,7 @@ impl State {
             sampler: film.sampler,
             space: film.space(),
             light_paths: film.has_light_paths(),
+            light_groups: film.aovs().groups().to_vec(),
             not_sampled: Some(film.bound.not_sampled),
             lamps: film.bound.lamps.clone(),
             totals: film.totals,
@@ -83,9 +87,14 @@ impl State {
         // Before that was noted: the brightest of all, if lights were not sampled.
         let brightest = if self.identity.samples_lights() { 0.0 } else { 1.0 };
         let film = film.of_part(self.frame());
-        let mut film = film.with_channels(&self.identity.aovs(), self.space.unwrap_or_default(), self.light_paths)?;
+        let mut film = film.with_channels(&self.aovs(), self.space.unwrap_or_default(), self.light_paths)?;
         film.bound = Bound { not_sampled: self.not_sampled.unwrap_or(brightest), lamps: self.lamps.clone() };
         Ok(Accumulation::empty(film))
+    }
+
+    /// The channels of `--aov`.
+    fn aovs(&self) -> Aovs {
+        self.identity.aovs().of_groups(&self.light_groups)
     }
 
     /// The part of the image that its pixels are of.
@@ -194,7 +203,7 @@ impl StateFile {
             pixels_of(&opened.headers()[part], size_of::<SampleVariance>()).map_err(Error::file(&path, "read"))?;
         let mut sample_variances = Vec::with_capacity(count);
         let has_light_paths = state.light_paths;
-        let names = word_names(&state.identity.aovs(), has_light_paths);
+        let names = word_names(&state.aovs(), has_light_paths);
         let light_paths = has_light_paths.then(|| state.totals.light_paths_of_a_pixel(state.frame().full));
         let add = |_, words: &[u16]| sample_variances.push(sample_variance_of(words, state.exponent, light_paths));
         read_pixels(opened, part, &state, &names, add).map_err(Error::file(&path, "read"))?;

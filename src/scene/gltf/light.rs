@@ -1,8 +1,10 @@
 //! The lights of KHR_lights_punctual.
 
 use glam::DVec3;
+use gltf::json::Extras;
 use gltf::json::extensions::scene::khr_lights_punctual::Type;
 use gltf::json::validation::Checked;
+use serde::Deserialize;
 
 use super::generator::LightUnits;
 use super::material::{colour, radiance};
@@ -15,6 +17,16 @@ pub struct Light {
     pub object: Object,
     /// Whether it has a range, which is no property of light.
     pub has_range: bool,
+}
+
+/// The group of the light of a material or of a light, by its extras: `{"light_group": "key"}`.
+pub fn light_group(extras: &Extras) -> Option<String> {
+    #[derive(Deserialize)]
+    struct Grouped {
+        light_group: String,
+    }
+    let grouped = serde_json::from_str::<Grouped>(extras.as_ref()?.get());
+    grouped.ok().map(|grouped| grouped.light_group)
 }
 
 impl File {
@@ -44,9 +56,10 @@ impl File {
         if direction == DVec3::ZERO && kind != Type::Point {
             return Err(GltfError::new(node, "its light has no direction"));
         }
+        let light_group = light_group(&light.extras);
         let object = match kind {
-            Type::Point => Object::PointLight { at, intensity: strength },
-            Type::Directional => Object::DirectionalLight { direction, irradiance: strength },
+            Type::Point => Object::PointLight { at, intensity: strength, light_group },
+            Type::Directional => Object::DirectionalLight { direction, irradiance: strength, light_group },
             Type::Spot => {
                 let spot =
                     light.spot.as_ref().ok_or_else(|| wrong("spot", "expected the angles of the spot".to_owned()))?;
@@ -63,6 +76,7 @@ impl File {
                     inner: inner.to_degrees(),
                     outer: outer.to_degrees(),
                     falloff: Falloff::Gltf,
+                    light_group,
                 }
             }
         };
@@ -76,5 +90,5 @@ pub fn sun((elevation, azimuth): (f64, f64)) -> Object {
     let (sin, cos) = elevation.to_radians().sin_cos();
     let (east, north) = azimuth.to_radians().sin_cos();
     let direction = -DVec3::new(cos * east, sin, -cos * north);
-    Object::DirectionalLight { direction, irradiance: DVec3::splat(std::f64::consts::PI) }
+    Object::DirectionalLight { direction, irradiance: DVec3::splat(std::f64::consts::PI), light_group: None }
 }

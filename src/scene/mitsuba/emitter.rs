@@ -43,11 +43,11 @@ pub fn emitter(node: &Node, reader: &mut Reader) -> Result<Emitter> {
         }
         "point" => {
             let at = own.vector("position")?.unwrap_or(to_world.translation);
-            Emitter::Object(Object::PointLight { at, intensity: own.colour_or("intensity", 1.0)? })
+            Emitter::Object(Object::PointLight { at, intensity: own.colour_or("intensity", 1.0)?, light_group: None })
         }
         "directional" => {
             let direction = own.vector("direction")?.unwrap_or(to_world.matrix3.z_axis);
-            Emitter::Object(Object::DirectionalLight { direction, irradiance: own.colour_or("irradiance", 1.0)? })
+            Emitter::Object(Object::DirectionalLight { direction, irradiance: own.colour_or("irradiance", 1.0)?, light_group: None })
         }
         "spot" => {
             if own.find("texture").is_some() {
@@ -60,7 +60,7 @@ pub fn emitter(node: &Node, reader: &mut Reader) -> Result<Emitter> {
                 return Err(node.error("expected a to_world with a direction"));
             }
             let (towards, intensity) = (at + forward, own.colour_or("intensity", 1.0)?);
-            Emitter::Object(Object::SpotLight { at, towards, intensity, inner, outer, falloff: Falloff::Linear })
+            Emitter::Object(Object::SpotLight { at, towards, intensity, inner, outer, falloff: Falloff::Linear, light_group: None })
         }
         "area" => return Err(node.error("expected an area emitter inside a shape")),
         _ => return Err(unknown(node, "area, point, spot, directional, constant, envmap, sky, sunsky")),

@@ -374,7 +374,7 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a, '_>) -> Result<Surf
 /// A material that emits.
 fn emitting(mut material: Material, emission: Texture, emitter: &Node) -> Result<Material> {
     if surface::is_black(&material) {
-        return Ok(Material::DiffuseLight(DiffuseLight { emit: emission, two_sided: false }));
+        return Ok(Material::DiffuseLight(DiffuseLight { emit: emission, two_sided: false, light_group: None }));
     }
     let slot = surface::emission_of(&mut material);
     let (own, one_sided) = slot.ok_or_else(|| emitter.error("only diffuse and plastic surfaces can emit here"))?;

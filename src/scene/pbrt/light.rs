@@ -59,7 +59,7 @@ pub fn light(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
     }
     let object = match kind {
         "point" | "goniometric" => {
-            Object::PointLight { at: from, intensity: emitted(params, "I", ("power", 4.0 * PI), reader)? }
+            Object::PointLight { at: from, intensity: emitted(params, "I", ("power", 4.0 * PI), reader)?, light_group: None }
         }
         "spot" => {
             let towards = ctm.transform_point3(params.point_or("to", DVec3::Z)?);
@@ -68,13 +68,14 @@ pub fn light(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
             // The light falls by a half between both cones.
             let [full, none] = [inner, outer].map(|angle| 1.0 - angle.to_radians().cos());
             let intensity = emitted(params, "I", ("power", PI * (full + none)), reader)?;
-            Object::SpotLight { at: from, towards, intensity, inner, outer, falloff: Falloff::Smooth }
+            Object::SpotLight { at: from, towards, intensity, inner, outer, falloff: Falloff::Smooth, light_group: None }
         }
         "distant" => {
             let to = ctm.transform_point3(params.point_or("to", DVec3::Z)?);
             Object::DirectionalLight {
                 direction: to - from,
                 irradiance: emitted(params, "L", ("illuminance", 1.0), reader)?,
+                light_group: None,
             }
         }
         "infinite" => {

@@ -149,7 +149,7 @@ fn surface(kind: &str, params: &Params, inside: Option<&Medium>, reader: &mut Re
             reader.made.lose(&place, "AreaLightSource", "a lamp that nobody sees is left out");
         }
         if surfaces::is_black(own) && alpha == Texture::grey(1.0) {
-            *own = Material::DiffuseLight(DiffuseLight { emit, two_sided });
+            *own = Material::DiffuseLight(DiffuseLight { emit, two_sided, light_group: None });
         } else {
             let wrong = || place.error("AreaLightSource", "only diffuse and coateddiffuse shapes can emit here");
             let (emission, one_sided) = surfaces::emission_of(own).ok_or_else(wrong)?;

@@ -14,6 +14,7 @@ use crate::bitmap::Channel;
 use crate::lobe::To;
 use crate::material::MOST_IOR;
 use crate::printable::quote;
+use crate::scene::gltf::light::light_group;
 use crate::scene::gltf::lobes;
 use crate::scene::gltf::{File, Result, decimal};
 use crate::scene::types::{
@@ -80,13 +81,14 @@ impl File {
         let common = reader.common(of_vertices)?;
         let is_dark = common.pbr.emission.is_none();
         let has_colours = of_vertices.colors;
+        let light_group = light_group(&given.extras);
         let material = match model(given) {
             Model::Light if common.is_opaque => {
-                Material::DiffuseLight(DiffuseLight { emit: common.light, two_sided: given.double_sided })
+                Material::DiffuseLight(DiffuseLight { emit: common.light, two_sided: given.double_sided, light_group })
             }
             // Other surfaces have two sides, whatever doubleSided says.
             Model::Unlit if common.is_opaque && !has_colours && !is_dark => {
-                Material::DiffuseLight(DiffuseLight { emit: common.light, two_sided: true })
+                Material::DiffuseLight(DiffuseLight { emit: common.light, two_sided: true, light_group })
             }
             Model::Glass => reader.glass(common, glass, has_colours),
             // Of a metal nothing is glass.
@@ -281,6 +283,7 @@ impl<'a> Reader<'a> {
             normal_scale: pbr.normal_scale,
             one_sided: false,
             one_sided_emission: is_light && !self.given.double_sided,
+            light_group: light_group(&self.given.extras),
         })
     }
 
