@@ -162,9 +162,12 @@ pub fn sums_of_group(light_paths: bool) -> usize {
     CHANNELS.len() * if light_paths { 4 } else { 2 }
 }
 
-/// The layer of a group of lights.
-pub fn layer_of_group(group: &str) -> String {
-    format!("light_{group}")
+/// How the layers of groups of lights begin, and how Blender's do.
+const LIGHT_LAYERS: [&str; 2] = ["light_", "Combined_"];
+
+/// The group whose light a layer has.
+pub fn group_of_layer(layer: &str) -> Option<&str> {
+    LIGHT_LAYERS.iter().find_map(|begin| layer.strip_prefix(begin))
 }
 
 /// A channel of an image file.
@@ -272,7 +275,7 @@ impl Aovs {
         let plain = self.sum_components().map(|(_, name)| name);
         let parts = ["even", "odd", "light_even", "light_odd"].into_iter().take(sums_of_group(light_paths) / CHANNELS.len());
         let of_group = move |group: &String| {
-            let name = layer_of_group(group);
+            let name = format!("{}{group}", LIGHT_LAYERS[0]);
             let of_part = move |part: &'static str| CHANNELS.map(|channel| format!("{name}.{part}.{channel}"));
             parts.clone().flat_map(of_part)
         };
@@ -339,10 +342,7 @@ impl Aovs {
 
     /// The layer of a group of lights in a file.
     fn layer_of_light(&self, group: &str) -> String {
-        match self.names {
-            ChannelNames::Plain => layer_of_group(group),
-            ChannelNames::Blender => format!("Combined_{group}"),
-        }
+        format!("{}{group}", LIGHT_LAYERS[self.names as usize])
     }
 
     /// The layer of a channel, and its components.

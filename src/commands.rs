@@ -14,6 +14,7 @@ mod devices;
 mod hints;
 mod man;
 mod merge;
+mod mix;
 mod outputs;
 mod page;
 mod plan;

@@ -24,6 +24,14 @@ pub struct Noisy {
     pub normal: Option<Vec<Rgb<f32>>>,
 }
 
+/// What guides the denoiser: an albedo and a normal without noise.
+#[derive(Debug)]
+pub struct Guides {
+    size: (usize, usize),
+    albedo: Option<Vec<Rgb<f32>>>,
+    normal: Option<Vec<Rgb<f32>>>,
+}
+
 /// The library, ready for use. It runs on the processor: that is everywhere, takes a second, and needs no memory of the GPU that renders.
 pub struct Denoiser(Library);
 
@@ -51,35 +59,53 @@ impl Denoiser {
     /// The image without its noise, as far as the library can distinguish noise from detail. Values that are not finite or negative count as 0; all
     /// values of the result are finite, and none is negative.
     ///
-    /// Albedo and normal are denoised first, each by itself. They are then exact enough that the image keeps all of their edges.
-    ///
     /// # Errors
     /// `Error::Denoiser` with the library's words.
     pub fn denoise(&self, noisy: &Noisy) -> Result<Vec<Rgb<f32>>> {
+        self.denoise_by(&noisy.rgb, &self.guides(noisy)?)
+    }
+
+    /// The albedo and the normal without their noise, each by itself. They are then exact enough that the image keeps all of their edges.
+    ///
+    /// # Errors
+    /// As of [`Denoiser::denoise`].
+    pub fn guides(&self, noisy: &Noisy) -> Result<Guides> {
         let size = (noisy.size.0 as usize, noisy.size.1 as usize);
-        let failed = |reason: String| Error::Denoiser(format!("{} has failed: {reason}", self.name()));
         let clean = |name, image: &[Rgb<f32>]| {
             let image = finite(image, |v| v);
-            self.0.filter(size, &[(name, &image)], &[]).map_err(failed)
+            self.0.filter(size, &[(name, &image)], &[]).map_err(|reason| self.failed(&reason))
         };
         let albedo = noisy.albedo.as_ref().map(|image| clean(c"albedo", image)).transpose()?;
         let normal =
             noisy.normal.as_ref().filter(|_| albedo.is_some()).map(|image| clean(c"normal", image)).transpose()?;
+        Ok(Guides { size, albedo, normal })
+    }
+
+    /// Radiance without its noise, such as the image's, or that of some of its lights.
+    ///
+    /// # Errors
+    /// As of [`Denoiser::denoise`].
+    pub fn denoise_by(&self, radiance: &[Rgb<f32>], guides: &Guides) -> Result<Vec<Rgb<f32>>> {
+        let Guides { size, albedo, normal } = guides;
         // The library takes darkness below 1e-8 for black. A factor of a power of two makes the result independent of the unit of radiance.
-        let scale = scale_of(&noisy.rgb);
-        let rgb = finite(&noisy.rgb, |v| (f64::from(v.max(0.0)) * scale) as f32);
+        let scale = scale_of(radiance);
+        let rgb = finite(radiance, |v| (f64::from(v.max(0.0)) * scale) as f32);
         let mut images = vec![(c"color", rgb.as_slice())];
         images.extend(albedo.iter().map(|image| (c"albedo", image.as_slice())));
         images.extend(normal.iter().map(|image| (c"normal", image.as_slice())));
         let parameters = if albedo.is_some() { &[c"hdr", c"cleanAux"][..] } else { &[c"hdr"] };
-        let mut denoised = self.0.filter(size, &images, parameters).map_err(failed)?;
+        let mut denoised = self.0.filter(*size, &images, parameters).map_err(|reason| self.failed(&reason))?;
         let values = denoised.as_flattened_mut();
         if let Some(value) = values.iter().find(|v| !v.is_finite() || **v < 0.0) {
-            return Err(failed(format!("a pixel of its result is {value}")));
+            return Err(self.failed(&format!("a pixel of its result is {value}")));
         }
         // Values that are too large for f32 are f32::MAX, as in the image of a render.
         values.iter_mut().for_each(|v| *v = ((f64::from(*v) / scale) as f32).min(f32::MAX));
         Ok(denoised)
+    }
+
+    fn failed(&self, reason: &str) -> Error {
+        Error::Denoiser(format!("{} has failed: {reason}", self.name()))
     }
 }
 

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use super::console::{command_of_image, object, path_text, print_json, tell, tell_colours};
 use super::outputs::{EXR, PNG, check_name, check_outputs};
 use crate::cli::{OIDN, ViewArgs};
+use crate::data::Rgb;
 use crate::denoise::{Denoiser, Noisy};
 use crate::error::{Error, Result};
 use crate::output::destination::can_be_replaced;
@@ -108,14 +109,17 @@ fn denoise(denoising: &Denoising, image: &Path, quiet: bool) -> Result<(Denoised
         warnings(&noisy.image).into_iter().for_each(|words| tell(&format!("warning: {name}: {words}")));
     }
     let begin = Instant::now();
-    let rgb = denoiser.denoise(&noisy.image)?;
+    let guides = denoiser.guides(&noisy.image)?;
+    let lights = noisy.lights.iter().map(|(_, light)| denoiser.denoise_by(light, &guides)).collect::<Result<Vec<_>>>()?;
+    // Light that is apart adds up to the image: a mix of denoised lights is a denoised mix.
+    let rgb = if lights.is_empty() { denoiser.denoise_by(&noisy.image.rgb, &guides)? } else { sum(&lights) };
     let seconds = begin.elapsed().as_secs_f64();
     let (size, layers) = (noisy.image.size, layers(&noisy.image));
     let words = match layers.as_slice() {
         [] => denoiser.name(),
         layers => format!("{}, with {}", denoiser.name(), layers.join(" and ")),
     };
-    write_denoised(exr, &noisy, &rgb, &words)?;
+    write_denoised(exr, &noisy, &rgb, &lights, &words)?;
     if let Some(png) = png {
         write_png(png, size, &|index| rgb[index], view)?;
     }
@@ -132,6 +136,15 @@ fn denoise(denoising: &Denoising, image: &Path, quiet: bool) -> Result<(Denoised
         seconds,
     };
     Ok((denoised, size))
+}
+
+/// The image that lights add up to.
+fn sum(lights: &[Vec<Rgb<f32>>]) -> Vec<Rgb<f32>> {
+    let pixel = |index: usize| {
+        let of = |c: usize| lights.iter().map(|light| f64::from(light[index][c])).sum::<f64>();
+        [0, 1, 2].map(|c| (of(c) as f32).min(f32::MAX))
+    };
+    (0..lights.first().map_or(0, Vec::len)).map(pixel).collect()
 }
 
 /// The name of the denoised image: NAME.denoised.exr of NAME.exr.

@@ -7,8 +7,8 @@ mod state;
 mod write;
 
 pub use attribute::{Attribute, DENOISER, attribute, attribute_text};
-pub use denoised::{read_noisy, write_denoised};
-pub use read::{ExrImage, read_attributes, read_exr, read_layer};
+pub use denoised::{of_image_alone, read_noisy, write_denoised};
+pub use read::{ExrImage, light_layers, read_attributes, read_exr, read_layer};
 pub use state::{State, StateFile, add_film, read_state};
 pub use write::{write_exr, write_render};
 

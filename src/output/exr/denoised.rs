@@ -5,13 +5,13 @@ use std::io::BufWriter;
 use std::path::Path;
 
 use ::exr::image::write::WritableImage;
-use ::exr::image::{Encoding, Image, Layer, SpecificChannels};
+use ::exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
 use ::exr::math::Vec2;
 use ::exr::meta::attribute::LineOrder;
 use ::exr::meta::header::{Header, LayerAttributes};
 
 use super::attribute::{Attribute, DENOISER, attribute, decoded, text, to_io};
-use super::read::{attributes_of, find_rgb, float, note_of_colours, open, read_channels, triple};
+use super::read::{attributes_of, find_rgb, float, light_layers, note_of_colours, open, read_channels, read_layer, triple};
 use super::write::{OF_PICTURE, sort_attributes};
 use crate::chromaticities::{REC_709, to_rec_709};
 use crate::data::{CHANNELS, Rgb};
@@ -22,6 +22,8 @@ use crate::output::atomic;
 /// A picture, the layers that help to denoise it, and its header.
 pub struct NoisyFile {
     pub image: Noisy,
+    /// The layers of groups of lights, by their names.
+    pub lights: Vec<(String, Vec<Rgb<f32>>)>,
     /// The note for users about its colours, if they were not those of Rec. 709.
     pub colours: Option<String>,
     header: Header,
@@ -46,6 +48,11 @@ const OF_NOISE: [&str; 7] = [
 ];
 const COMMENTS: &str = "R, G, B: linear radiance, denoised. Denoising biases the result, and its error is not known.";
 
+/// Whether an attribute is true of an image with another error, too.
+pub fn of_image_alone(name: &str) -> bool {
+    !OF_NOISE.contains(&name)
+}
+
 impl NoisyFile {
     /// The denoiser that has denoised it already.
     pub fn denoiser(&self) -> Option<String> {
@@ -58,7 +65,9 @@ impl NoisyFile {
 
 /// Reads the picture that [`read_exr`](super::read_exr) reads, and what the same part has of albedo and normal. Colours are those of Rec. 709.
 pub fn read_noisy(path: &Path) -> Result<NoisyFile> {
-    read(path).map_err(Error::file(path, "read"))
+    let noisy = read(path).map_err(Error::file(path, "read"))?;
+    let light = |(_, layer): (String, String)| read_layer(path, &layer).map(|image| (layer, image.rgb));
+    Ok(NoisyFile { lights: light_layers(path)?.into_iter().map(light).collect::<Result<_>>()?, ..noisy })
 }
 
 fn read(path: &Path) -> std::result::Result<NoisyFile, String> {
@@ -82,7 +91,7 @@ fn read(path: &Path) -> std::result::Result<NoisyFile, String> {
     }
     let side = |length: usize| u32::try_from(length).map_err(|_| "its size is not supported".to_string());
     let (size, rgb) = ((side(width)?, side(height)?), rgb.ok_or("its channels differ in size")?);
-    Ok(NoisyFile { image: Noisy { size, rgb, albedo, normal }, colours, header })
+    Ok(NoisyFile { image: Noisy { size, rgb, albedo, normal }, lights: Vec::new(), colours, header })
 }
 
 /// The channels of the layer with the likeliest of some names.
@@ -98,16 +107,22 @@ fn layer(header: &Header, names: &[&str]) -> Option<Rgb<String>> {
     names.iter().find_map(of_name)
 }
 
-/// Writes the denoised picture of a file: red, green and blue, with the header of the file as far as it is still true, and with what has
+/// Writes the denoised picture of a file: red, green and blue, and the layers of groups of lights, with the header of the file as far as it is still true, and with what has
 /// denoised it. It has neither variance nor state, so that nothing takes it for a render.
-pub fn write_denoised(path: &Path, noisy: &NoisyFile, rgb: &[Rgb<f32>], denoiser: &str) -> Result<()> {
+pub fn write_denoised(
+    path: &Path,
+    noisy: &NoisyFile,
+    rgb: &[Rgb<f32>],
+    lights: &[Vec<Rgb<f32>>],
+    denoiser: &str,
+) -> Result<()> {
     let mut own = LayerAttributes {
         layer_name: None,
         software_name: Some(text(concat!("gpu-rt ", env!("CARGO_PKG_VERSION")))),
         comments: Some(text(COMMENTS)),
         ..noisy.header.own_attributes.clone()
     };
-    own.other.retain(|name, _| !OF_NOISE.contains(&decoded(name).as_str()));
+    own.other.retain(|name, _| of_image_alone(&decoded(name)));
     let before = match own.other.get(&text(BIASES)).and_then(Attribute::of_exr) {
         Some(Attribute::Text(before)) => format!("{before}, "),
         _ => String::new(),
@@ -115,13 +130,14 @@ pub fn write_denoised(path: &Path, noisy: &NoisyFile, rgb: &[Rgb<f32>], denoiser
     for (name, value) in [(BIASES, format!("{before}denoise")), (DENOISER, denoiser.to_string())] {
         own.other.insert(text(name), Attribute::Text(value).to_exr());
     }
-    let Vec2(width, _) = noisy.header.layer_size;
-    let pixel = |Vec2(x, y): Vec2<usize>| {
-        let [r, g, b] = rgb.get(y * width + x).copied().unwrap_or_default();
-        (r, g, b)
+    let channels = |(before, image): (String, &[Rgb<f32>])| {
+        let of = |c: usize| FlatSamples::F32(image.iter().map(|rgb| rgb[c]).collect());
+        [0, 1, 2].map(|c| AnyChannel::new(format!("{before}{}", CHANNELS[c]).as_str(), of(c)))
     };
+    let layers = noisy.lights.iter().zip(lights).map(|((layer, _), image)| (format!("{layer}."), image.as_slice()));
+    let all = std::iter::once((String::new(), rgb)).chain(layers).flat_map(channels);
     let encoding = Encoding { compression: OF_PICTURE, line_order: LineOrder::Increasing, ..Encoding::UNCOMPRESSED };
-    let layer = Layer::new(noisy.header.layer_size, own, encoding, SpecificChannels::rgb(pixel));
+    let layer = Layer::new(noisy.header.layer_size, own, encoding, AnyChannels::sort(all.collect()));
     let image = Image { attributes: noisy.header.shared_attributes.clone(), layer_data: layer };
     let write = |file: &mut File| {
         image.write().to_buffered(BufWriter::new(&mut *file)).map_err(to_io)?;

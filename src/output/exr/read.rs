@@ -12,6 +12,7 @@ use ::exr::meta::header::Header;
 use ::exr::prelude::f16;
 
 use super::attribute::{Attribute, DENOISER, REJECTED, SAMPLES, VARIANCES, decoded};
+use crate::aov::group_of_layer;
 use crate::chromaticities::{Conversion, to_rec_709};
 use crate::data::{CHANNELS, Rgb};
 use crate::error::{Error, Result};
@@ -124,6 +125,22 @@ pub fn read_layer(path: &Path, layer: &str) -> Result<ExrImage> {
     let read = read_rgb(path, |parts| find_layer(parts, layer));
     let image = read.map_err(Error::file(path, "read"))?;
     Ok(ExrImage { variance: None, ..image })
+}
+
+/// The groups of lights whose light the file has apart, and the names of their layers, in the order of the names.
+pub fn light_layers(path: &Path) -> Result<Vec<(String, String)>> {
+    let opened = open(path).map_err(Error::file(path, "read"))?;
+    let of_part = |part: &Header| {
+        let light = |channel: &ChannelDescription| {
+            let name = channel.name.to_string();
+            let (layer, _) = name.rsplit_once('.').filter(|(_, last)| *last == CHANNELS[0])?;
+            triple(part, layer, &[CHANNELS])?;
+            let group = group_of_layer(layer.rsplit('.').next()?)?;
+            Some((group.to_string(), layer.to_string()))
+        };
+        part.channels.list.iter().filter_map(light).collect::<Vec<_>>()
+    };
+    Ok(opened.headers().first().map_or(Vec::new(), of_part))
 }
 
 fn read_rgb(
