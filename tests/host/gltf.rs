@@ -654,13 +654,13 @@ fn with_lights() -> Value {
 fn lights_are_those_of_the_file() {
     let json = with_lights();
     let scene = load(&json).unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(scene.objects[0], Object::PointLight { at: DVec3::ZERO, intensity: DVec3::new(68.3, 34.15, 0.0) });
+    assert_eq!(scene.objects[0], Object::PointLight { at: DVec3::ZERO, intensity: DVec3::new(68.3, 34.15, 0.0), light_group: None });
     // The quarter turn takes -z to +y.
     let Object::SpotLight { at, towards, intensity, inner, outer, .. } = scene.objects[1] else { panic!() };
     assert!((at, intensity) == (DVec3::new(0.0, 4.0, 0.0), DVec3::splat(2.0)));
     assert!(((towards - at).normalize() - DVec3::Y).length() < 1e-9, "{towards}");
     assert!((inner - 0.1_f64.to_degrees()).abs() < 1e-9 && (outer - 0.5_f64.to_degrees()).abs() < 1e-9);
-    let Object::DirectionalLight { direction, irradiance } = scene.objects[2] else { panic!() };
+    let Object::DirectionalLight { direction, irradiance, .. } = scene.objects[2] else { panic!() };
     assert!((direction + DVec3::X).length() < 1e-9 && irradiance == DVec3::splat(3.0), "{direction}");
     assert_eq!(scene.background, Background::Solid(DVec3::ZERO));
     let range = "extensions.KHR_lights_punctual: the range of lights is not read: their light has no limit";
@@ -926,7 +926,7 @@ fn a_file_by_blender_without_lamps_or_cameras_says_what_to_tick() {
 fn a_sun_is_added_on_request() {
     let sun = GltfOptions { sun: Some((30.0, 90.0)), ..GltfOptions::default() };
     let scene = load_as(&changed("/scenes/0/nodes", json!([0, 4])), &sun).unwrap();
-    let Some(&Object::DirectionalLight { direction, irradiance }) = scene.objects.last() else { panic!() };
+    let Some(&Object::DirectionalLight { direction, irradiance, .. }) = scene.objects.last() else { panic!() };
     // From the east, 30 degrees high.
     assert!((direction - DVec3::new(-(0.75_f64.sqrt()), -0.5, 0.0)).length() < 1e-12, "{direction}");
     assert_eq!(irradiance, DVec3::splat(std::f64::consts::PI));

@@ -21,6 +21,7 @@ mod in_memory;
 mod instances;
 mod lamps_in_view;
 mod large_spheres;
+mod light_groups;
 mod light_paths;
 mod light_sampling;
 mod lobes;
