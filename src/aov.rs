@@ -273,7 +273,8 @@ impl Aovs {
     /// The names of the sums of a pixel. Even and odd runs have sums of lights of their own, and so have their light paths.
     pub fn names_on_film(&self, light_paths: bool) -> impl Iterator<Item = String> {
         let plain = self.sum_components().map(|(_, name)| name);
-        let parts = ["even", "odd", "light_even", "light_odd"].into_iter().take(sums_of_group(light_paths) / CHANNELS.len());
+        let parts =
+            ["even", "odd", "light_even", "light_odd"].into_iter().take(sums_of_group(light_paths) / CHANNELS.len());
         let of_group = move |group: &String| {
             let name = format!("{}{group}", LIGHT_LAYERS[0]);
             let of_part = move |part: &'static str| CHANNELS.map(|channel| format!("{name}.{part}.{channel}"));
@@ -336,7 +337,8 @@ impl Aovs {
     fn channels_of_lights(&self) -> Vec<Channel> {
         let rest = REST.to_string();
         let groups = self.groups.iter().chain([&rest]);
-        let names = groups.flat_map(|group| CHANNELS.map(|channel| format!("{}.{channel}", self.layer_of_light(group))));
+        let names =
+            groups.flat_map(|group| CHANNELS.map(|channel| format!("{}.{channel}", self.layer_of_light(group))));
         names.enumerate().map(|(component, name)| Channel { aov: Aov::Lights, component, name }).collect()
     }
 

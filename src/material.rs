@@ -29,8 +29,8 @@ use crate::texture::{Texture, Use};
 
 pub use boundary::{glass_numbers, widths_of_boundary};
 pub use declared::{
-    Conductor, Dielectric, DiffuseLight, Distribution, LIGHT_GROUP, Lambertian, MOST_ABSORPTION, MOST_DISPERSION, MOST_IOR,
-    MOST_THICKNESS, Material, Metal, Mix, Pbr, Plastic, RoughDielectric, ThinDielectric, is_white, is_zero,
+    Conductor, Dielectric, DiffuseLight, Distribution, LIGHT_GROUP, Lambertian, MOST_ABSORPTION, MOST_DISPERSION,
+    MOST_IOR, MOST_THICKNESS, Material, Metal, Mix, Pbr, Plastic, RoughDielectric, ThinDielectric, is_white, is_zero,
 };
 pub use model::{Emission, Emitted, MaterialKind, Model, Vertices, emission_row};
 pub use row::{ALPHA, MIX, ROUGH_LAYER, ROUGHNESS, ROWS, Row, RowKind, Sets, Slot, VERTEX_COLOURS, varying};

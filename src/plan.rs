@@ -149,7 +149,8 @@ impl<'a> Plan<'a> {
     /// # Errors
     /// As of [`Kernels::link`].
     pub fn new(scene: &'a DeviceScene, options: &RenderOptions, device: DeviceClass, job: &Job) -> Result<Plan<'a>> {
-        let options = &RenderOptions { light_paths: scene.light_paths(options), aov: scene.aovs(options), ..options.clone() };
+        let options =
+            &RenderOptions { light_paths: scene.light_paths(options), aov: scene.aovs(options), ..options.clone() };
         let mut tuning = Tuning::new(device, job, options);
         let tables = UniformTables::new(scene, device);
         let features = scene.features.with_options(options);

@@ -110,7 +110,8 @@ fn denoise(denoising: &Denoising, image: &Path, quiet: bool) -> Result<(Denoised
     }
     let begin = Instant::now();
     let guides = denoiser.guides(&noisy.image)?;
-    let lights = noisy.lights.iter().map(|(_, light)| denoiser.denoise_by(light, &guides)).collect::<Result<Vec<_>>>()?;
+    let lights =
+        noisy.lights.iter().map(|(_, light)| denoiser.denoise_by(light, &guides)).collect::<Result<Vec<_>>>()?;
     // Light that is apart adds up to the image: a mix of denoised lights is a denoised mix.
     let rgb = if lights.is_empty() { denoiser.denoise_by(&noisy.image.rgb, &guides)? } else { sum(&lights) };
     let seconds = begin.elapsed().as_secs_f64();

@@ -5,7 +5,9 @@ use std::path::Path;
 use crate::data::{Rgb, luminance};
 use crate::error::{Error, Result};
 use crate::film::{Picture, UNKNOWN_VARIANCE};
-use crate::output::exr::{Attribute, StateFile, light_layers, of_image_alone, read_attributes, read_exr, read_layer, write_exr};
+use crate::output::exr::{
+    Attribute, StateFile, light_layers, of_image_alone, read_attributes, read_exr, read_layer, write_exr,
+};
 
 /// The factors of groups of lights, by their names.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,7 +35,8 @@ impl Factors {
         };
         let all = text.split(',').map(|part| one(part).ok_or_else(|| expected(part)));
         let all = all.collect::<std::result::Result<Vec<_>, _>>()?;
-        let twice = all.iter().enumerate().find(|(index, (name, _))| all[..*index].iter().any(|(other, _)| other == name));
+        let twice =
+            all.iter().enumerate().find(|(index, (name, _))| all[..*index].iter().any(|(other, _)| other == name));
         twice.map_or(Ok(()), |(_, (name, _))| Err(format!("{name} has two factors")))?;
         Ok(Factors(all))
     }

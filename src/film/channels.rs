@@ -73,8 +73,7 @@ pub(super) fn count(aovs: &Aovs, light_paths: bool) -> usize {
 /// The names of these sums, in their order.
 pub(super) fn names(aovs: &Aovs, light_paths: bool) -> impl Iterator<Item = String> {
     let splats = ["light_even", "light_odd", "light_squares"].into_iter().filter(move |_| light_paths);
-    aovs.names_on_film(light_paths)
-        .chain(splats.flat_map(|name| CHANNELS.map(|channel| format!("{name}.{channel}"))))
+    aovs.names_on_film(light_paths).chain(splats.flat_map(|name| CHANNELS.map(|channel| format!("{name}.{channel}"))))
 }
 
 /// Whether a sum of a pixel has left its range on the device. Sums from the last bit on share it.

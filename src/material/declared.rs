@@ -25,7 +25,7 @@ const RADIANCE: Field = texture(Use::Radiance.range());
 const NAME: Field = other("a material's name in quotes");
 const SHARE: Field = varying(Range::SHARE);
 /// Of materials and of lights without size.
-pub const LIGHT_GROUP: Field = other("a name in quotes").or("none");
+pub const LIGHT_GROUP: Field = other("a name in quotes").or("no group");
 
 declare! {
     /// A material as the scene file writes it.
@@ -45,7 +45,7 @@ declare! {
             @default emission: Option<Texture> = RADIANCE.or("none: it emits nothing");
             /// Whether it emits from its front alone, and reflects on both sides.
             @default one_sided_emission: bool = flag().or("false");
-            /// The group of its light, which `--aov lights` writes as a layer of its own. [compositing.md](compositing.md) says more.
+            /// The group of its light: [`--aov lights`](compositing.md#light-groups).
             @default light_group: Option<String> = LIGHT_GROUP;
             /// The share of light that it stops; the rest passes straight on, as if the surface were not there.
             #[serde(default = "white", with = "number", skip_serializing_if = "is_white")]

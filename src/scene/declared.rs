@@ -291,7 +291,7 @@ declare! {
             /// Power per solid angle. A surface that faces the light at a distance d gets the irradiance intensity / d². Transforms do not
             /// scale it.
             intensity: Colour = RADIANCE;
-            /// As of a material that emits.
+            /// The [group](compositing.md#light-groups) of its light.
             @default light_group: Option<String> = LIGHT_GROUP;
         }
         /// A `PointLight` with a beam.

@@ -406,6 +406,40 @@ Scene(
 )
 // the end"##;
 
+/// A group is named so that a layer can be; there are eight beside that of the background.
+#[test]
+fn light_groups_are_names_of_layers() {
+    let lamps = |names: &[&str]| {
+        let lamp = |(index, name): (usize, &&str)| {
+            format!("\"lamp {index}\": DiffuseLight(emit: Rgb(1, 1, 1), light_group: \"{name}\"),\n")
+        };
+        GOOD.replace(
+            "    materials: {\n",
+            &format!("    materials: {{\n{}", names.iter().enumerate().map(lamp).collect::<String>()),
+        )
+    };
+    let eight = ["a", "b", "c c", "d", "e", "f", "g", "é"];
+    let parsed = parse(&lamps(&[&eight[..], &["background", "a"]].concat())).unwrap();
+    assert_eq!(gpu_rt::scene::light_groups::names(&parsed), ["a", "b", "background", "c c", "d", "e", "f", "g", "é"]);
+    for (names, words) in [
+        (&[&eight[..], &["h"]].concat()[..], "at most 8 light groups"),
+        (&["a.b"], "a name of 1 to 200 bytes"),
+        (&["a=1"], "a name of 1 to 200 bytes"),
+        (&["rest"], "other than \"rest\""),
+        (&[""], "a name of 1 to 200 bytes"),
+        (&[&*"x".repeat(201)], "a name of 1 to 200 bytes"),
+    ] {
+        let message = parse(&lamps(names)).unwrap_err().to_string();
+        assert!(message.contains("light_group") && message.contains(words), "{message}");
+    }
+    let point = GOOD.replace(
+        "    objects: [\n",
+        "    objects: [\nPointLight(at: (0, 9, 0), intensity: (1, 1, 1), light_group: \"a,b\"),\n",
+    );
+    let message = parse(&point).unwrap_err().to_string();
+    assert!(message.contains("PointLight.light_group") && message.contains("a name of"), "{message}");
+}
+
 #[test]
 fn every_feature_of_the_format_parses() {
     let scene = parse(GOOD).unwrap();

@@ -650,11 +650,32 @@ fn with_lights() -> Value {
     json
 }
 
+/// `extras` name the group of a material's light and of a light. What is no text there is none.
+#[test]
+fn extras_name_groups_of_lights() {
+    let mut json = with_lights();
+    let lights = &mut json["extensions"]["KHR_lights_punctual"]["lights"];
+    lights[0]["extras"] = json!({"light_group": "key", "other": [1, {}]});
+    lights[1]["extras"] = json!({"light_group": 7});
+    lights[2]["extras"] = json!("light_group");
+    let scene = load(&json).unwrap_or_else(|error| panic!("{error}"));
+    let groups: Vec<_> = scene.objects.iter().map(gpu_rt::scene::Object::light_group).collect();
+    assert_eq!(groups[..3], [Some("key"), None, None]);
+    let mut json = changed("/materials/0/extras", json!({"light_group": "glow"}));
+    json["materials"][0]["emissiveFactor"] = json!([1, 1, 1]);
+    let scene = load(&json).unwrap_or_else(|error| panic!("{error}"));
+    let grouped = scene.materials.iter().filter(|(_, material)| material.light_group() == Some("glow"));
+    assert_eq!(grouped.count(), 1, "{:?}", scene.materials);
+}
+
 #[test]
 fn lights_are_those_of_the_file() {
     let json = with_lights();
     let scene = load(&json).unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(scene.objects[0], Object::PointLight { at: DVec3::ZERO, intensity: DVec3::new(68.3, 34.15, 0.0), light_group: None });
+    assert_eq!(
+        scene.objects[0],
+        Object::PointLight { at: DVec3::ZERO, intensity: DVec3::new(68.3, 34.15, 0.0), light_group: None }
+    );
     // The quarter turn takes -z to +y.
     let Object::SpotLight { at, towards, intensity, inner, outer, .. } = scene.objects[1] else { panic!() };
     assert!((at, intensity) == (DVec3::new(0.0, 4.0, 0.0), DVec3::splat(2.0)));

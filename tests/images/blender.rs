@@ -237,7 +237,9 @@ fn area_lamp(scene: &mut Scene) {
     let sides = [DVec3::new(0.0, 2.0, 0.0), DVec3::new(2.0, 0.0, 0.0)].map(|side| with_y_up(turn * side));
     let ([u, v], at) = (sides, with_y_up(DVec3::new(1.5, -1.5, 4.0)));
     let emit = Texture::grey(300.0 / (std::f64::consts::PI * 4.0));
-    scene.materials.push(("Area".to_owned(), Material::DiffuseLight(DiffuseLight { emit, two_sided: false, light_group: None })));
+    scene
+        .materials
+        .push(("Area".to_owned(), Material::DiffuseLight(DiffuseLight { emit, two_sided: false, light_group: None })));
     scene.objects.push(Object::Quad { corner: at - 0.5 * (u + v), u, v, material: Some("Area".to_owned()) });
 }
 

@@ -112,7 +112,7 @@ fn a_group_has_the_light_of_its_lights() {
     let alone = means_alone();
     check(&means_of_groups(render), &alone).unwrap();
     for (module, from, to) in [
-        ("aov/splat_lights", "value[i], SUM_FRACTION", "0.0, SUM_FRACTION"),
+        ("light_path/splat_lights", "value[i], SUM_FRACTION", "0.0, SUM_FRACTION"),
         ("step/surface_emission", "record_light(path, hit, limited);", ""),
         ("step/scatter", "record_light(path, hit, limited_indirect((*path).throughput, depth));", ""),
         ("step/light", "record_light(path, hit, limited_light(contribution));", ""),
@@ -173,7 +173,8 @@ fn the_variance_of_a_mix_is_that_of_many_seeds() {
         let film = &shot.film;
         let groups = GROUPS.map(|group| light(film, group));
         let pixels = groups[0].len() / 3;
-        let variance = |index, factors: &[[f64; 3]]| film.variance_of_mix(index, factors).expect("both halves are there");
+        let variance =
+            |index, factors: &[[f64; 3]]| film.variance_of_mix(index, factors).expect("both halves are there");
         for index in 0..pixels {
             for (own, of_mix) in film.developed(index).variance.into_iter().zip(variance(index, &[[1.0; 3]; 5])) {
                 assert!((f64::from(own) - of_mix).abs() <= 1e-6 * of_mix + 1e-20, "{own} {of_mix}");

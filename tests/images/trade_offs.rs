@@ -25,7 +25,7 @@ const ALPHA: f64 = 1e-6;
 /// Options of `render` that leave every byte of the image as it is, with a value for those that take one. The device and its driver are
 /// what bytes are promised for.
 const SAME_IMAGE: &str = "scene; output; png picture.png; device; exposure 2; tonemap filmic; preview; display-server 127.0.0.1:9; \
-    checkpoint 1s; aov albedo,normal,depth,position,object,material,direct,indirect; aov-surface first; \
+    checkpoint 1s; aov albedo,normal,depth,position,object,material,direct,indirect,lights; aov-surface first; \
     aov-names blender; watch; denoise; oidn; mixed-drivers; no-state; force; strict; quiet; verbose; json; \
     slots 33; workgroup 8; bounces 3; scatter queues; features all; profile";
 

@@ -543,17 +543,20 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         }
     }
     // Every channel beside the radiance, by itself and with the others, beside nothing, media, a sphere and everything.
-    let names = ["albedo", "normal", "depth", "position", "object", "material", "direct", "indirect"];
+    let names = ["albedo", "normal", "depth", "position", "object", "material", "direct", "indirect", "lights"];
     let every = names.join(",");
     for list in names.into_iter().chain([every.as_str()]) {
         for (surface, filter) in [(SeenSurface::Rough, Filter::Box), (SeenSurface::First, Filter::Mitchell)] {
             let mut options = RenderOptions { filter, ..RenderOptions::default() };
             options.aov.set(Aovs::parse(list).expect("they are names"));
             options.aov.surface = surface;
+            options.aov = options.aov.of_groups(&["background", "key"].map(str::to_owned));
             let nothing = features(0, 0, 0, SOLID, false);
             let fog = with_media(nothing.clone(), 1, false);
             let beside = [nothing, fog, features(1, materials, 0, SOLID, true), everything()];
             found.extend(beside.map(|features| (features, options.clone())));
+            let glass = lit(features(1, materials, 0, SOLID, false), 1, false);
+            found.push((traced(glass), RenderOptions { light_paths: LightPaths::Count(8), ..options }));
         }
     }
     // `--features all`.
@@ -759,7 +762,7 @@ slots: aov bind data generated lib scene slots
 aov: aov bind camera data scene step
 extension: bind data lib
 step: aov background bind camera data filter geometry lib light light_path medium motion sampler scene step truth
-light_path: bind camera data filter geometry lib light light_path lobe material motion sampler scene step
+light_path: aov bind camera data filter geometry lib light light_path lobe material motion sampler scene step
 truth: bind camera data lib motion scene step truth
 stage: aov background bind camera data generated geometry lib light_path material motion scene slots step texture truth
 ";

@@ -1,12 +1,13 @@
 //! Pictures: what `gpu-rt develop` makes of any EXR, and the PNG beside an EXR that is rendered.
 
+use crate::common::device::index as software;
 use crate::common::program::{finish, meanwhile, send};
-use crate::sandbox::{Sandbox, endless};
+use crate::sandbox::{Sandbox, attribute, endless};
 use std::fs;
 
 use exr::image::write::WritableImage;
 use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, f16};
-use gpu_rt::output::exr::read_exr;
+use gpu_rt::output::exr::{read_exr, read_layer};
 
 /// Writes an EXR of 2 x 2 pixels with these channels.
 fn write(sandbox: &Sandbox, name: &str, channels: &[(&str, FlatSamples)], corner: (i32, i32)) {
@@ -105,4 +106,77 @@ fn checkpoints_write_the_picture() {
     finish(child).exits(143);
     sandbox.says("develop sphere.exr -o then.png").exits(0);
     assert_eq!(pixels(&sandbox, "now.png"), pixels(&sandbox, "then.png"));
+}
+
+/// `develop --lights` mixes what `render --aov lights` has written apart, with its error; `merge` and `--resume` keep it.
+#[test]
+fn develop_mixes_lights() {
+    let sandbox = Sandbox::new();
+    let scene = sandbox.scene(
+        "lamps.ron",
+        "Scene(
+            image: (width: 12, height: 8),
+            camera: (look_from: (0, 1, 6), look_at: (0, 1, 0), vertical_fov: 40),
+            background: Solid((0.2, 0.3, 0.4)),
+            materials: {
+                \"floor\": Lambertian(albedo: Rgb(0.7, 0.7, 0.7)),
+                \"key\": DiffuseLight(emit: Rgb(4, 4, 4), light_group: \"key light\"),
+                \"lamp\": DiffuseLight(emit: Rgb(2, 1, 1)),
+            },
+            objects: [
+                Box(min: (-5, -1, -5), max: (5, 0, 5), material: \"floor\"),
+                Sphere(center: (-1, 1, 0), radius: 0.6, material: \"key\"),
+                Sphere(center: (1, 1, 0), radius: 0.6, material: \"lamp\"),
+            ],
+        )",
+    );
+    let render =
+        |more: &str| sandbox.says(&format!("render {scene} --aov lights --device {} {more}", software())).exits(0);
+    render("--spp 32 -o all.exr");
+    render("--samples 0..16 -o a.exr");
+    render("--samples 16..32 -o b.exr");
+    sandbox.says("merge a.exr b.exr -o merged.exr").exits(0);
+    render("--samples 0..32 -o a.exr --resume");
+    let layer = |name: &str, layer: &str| read_layer(&sandbox.at(name), layer).expect("it has it").rgb;
+    for name in ["merged.exr", "a.exr"] {
+        for own in ["light_key light", "light_background", "light_rest"] {
+            assert!(layer(name, own) == layer("all.exr", own), "{name} {own}");
+        }
+    }
+    // Factors of 1 give the image and its error; others are those of the layers.
+    let stated = |name: &str| attribute(&sandbox.exr(name), "gpu-rt:relative_error").parse::<f64>().expect("a number");
+    let close = |a: &[[f32; 3]], b: &[[f32; 3]]| {
+        a.as_flattened().iter().zip(b.as_flattened()).all(|(a, b)| (a - b).abs() <= 2e-6 * b.abs())
+    };
+    sandbox.says("develop all.exr -o same.exr --lights rest=1").exits(0).on_stderr(&["same.exr: relative error"]);
+    assert!(close(&sandbox.exr("same.exr").rgb, &sandbox.exr("all.exr").rgb));
+    assert!((stated("same.exr") / stated("all.exr") - 1.0).abs() < 1e-5);
+    sandbox.says("develop all.exr -o mix.exr --lights").exits(2);
+    sandbox.run(&["develop", "all.exr", "-o", "mix.exr", "--lights", "key light=0,background=0.5:1:2,rest=3"]).exits(0);
+    let mix = sandbox.exr("mix.exr");
+    let (sky, rest) = (layer("all.exr", "light_background"), layer("all.exr", "light_rest"));
+    let expected: Vec<[f32; 3]> = sky
+        .iter()
+        .zip(&rest)
+        .map(|(s, r)| [0.5 * s[0] + 3.0 * r[0], s[1] + 3.0 * r[1], 2.0 * s[2] + 3.0 * r[2]])
+        .collect();
+    assert!(close(&mix.rgb, &expected) && !close(&mix.rgb, &sandbox.exr("all.exr").rgb));
+    assert!(mix.attributes.iter().all(|(name, _)| name != "gpu-rt:relative_error_bound"), "{:?}", mix.attributes);
+    assert_eq!(attribute(&mix, "gpu-rt:lights"), "key light=0:0:0,background=0.5:1:2,rest=3:3:3");
+    sandbox.says("merge mix.exr all.exr -o no.exr").exits(2).on_stderr(&["mix.exr"]);
+    // The names of Blender's passes; without a state there is no error.
+    render("--spp 16 -o blender.exr --aov-names blender --no-state");
+    let ran = sandbox.says("develop blender.exr -o mix.png --lights background=0").exits(0);
+    assert_eq!(ran.stderr, "");
+    for (line, words) in [
+        ("develop all.exr -o b.png --lights sun=1", "it has background, key light, rest"),
+        ("develop sphere.exr -o b.png --lights key=1", "--aov lights"),
+        ("develop all.exr -o b.png --lights rest=-1", "expected NAME=FACTOR"),
+        ("develop all.exr -o b.png --lights rest=1:2", "expected NAME=FACTOR"),
+        ("develop all.exr -o b.png --lights rest=1,rest=2", "rest has two factors"),
+        ("develop all.exr -o b.png --lights rest=nan", "expected NAME=FACTOR"),
+    ] {
+        sandbox.render(&[]).exits(0);
+        sandbox.says(line).exits(2).on_stderr(&[words]);
+    }
 }

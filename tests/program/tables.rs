@@ -36,7 +36,7 @@ fn renders_and_their_parts_have_the_keys_and_attributes_that_are_documented() {
         json("--spp 32 -o a.exr --resume"),
         json(
             "--noise 0.9 --spp 64 --profile --clamp 10 -o noise.exr \
-             --aov albedo,normal,depth,position,object,material,direct,indirect,motion,depth0,distance0,position0,normal0,uv0,face0,offset0",
+             --aov albedo,normal,depth,position,object,material,direct,indirect,motion,depth0,distance0,position0,normal0,uv0,face0,offset0,lights",
         ),
         json("--samples 16..32 -o b.exr"),
         json("--samples 0..16 -o c.exr"),

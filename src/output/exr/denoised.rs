@@ -11,7 +11,9 @@ use ::exr::meta::attribute::LineOrder;
 use ::exr::meta::header::{Header, LayerAttributes};
 
 use super::attribute::{Attribute, DENOISER, attribute, decoded, text, to_io};
-use super::read::{attributes_of, find_rgb, float, light_layers, note_of_colours, open, read_channels, read_layer, triple};
+use super::read::{
+    attributes_of, find_rgb, float, light_layers, note_of_colours, open, read_channels, read_layer, triple,
+};
 use super::write::{OF_PICTURE, sort_attributes};
 use crate::chromaticities::{REC_709, to_rec_709};
 use crate::data::{CHANNELS, Rgb};

@@ -47,7 +47,11 @@ pub fn emitter(node: &Node, reader: &mut Reader) -> Result<Emitter> {
         }
         "directional" => {
             let direction = own.vector("direction")?.unwrap_or(to_world.matrix3.z_axis);
-            Emitter::Object(Object::DirectionalLight { direction, irradiance: own.colour_or("irradiance", 1.0)?, light_group: None })
+            Emitter::Object(Object::DirectionalLight {
+                direction,
+                irradiance: own.colour_or("irradiance", 1.0)?,
+                light_group: None,
+            })
         }
         "spot" => {
             if own.find("texture").is_some() {
@@ -60,7 +64,15 @@ pub fn emitter(node: &Node, reader: &mut Reader) -> Result<Emitter> {
                 return Err(node.error("expected a to_world with a direction"));
             }
             let (towards, intensity) = (at + forward, own.colour_or("intensity", 1.0)?);
-            Emitter::Object(Object::SpotLight { at, towards, intensity, inner, outer, falloff: Falloff::Linear, light_group: None })
+            Emitter::Object(Object::SpotLight {
+                at,
+                towards,
+                intensity,
+                inner,
+                outer,
+                falloff: Falloff::Linear,
+                light_group: None,
+            })
         }
         "area" => return Err(node.error("expected an area emitter inside a shape")),
         _ => return Err(unknown(node, "area, point, spot, directional, constant, envmap, sky, sunsky")),
