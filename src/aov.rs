@@ -1,11 +1,14 @@
 //! Channels of `--aov` (arbitrary output variables, AOVs): which there are, which sums of the film they are made of, and how files
 //! name them.
 
+mod mattes;
+
 use clap::ValueEnum;
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
 use crate::data::CHANNELS;
+pub use mattes::{MatteKind, MatteValue, id_of};
 
 /// A channel, or three.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
@@ -42,6 +45,10 @@ pub enum Aov {
     Face0,
     /// Where in the pixel sample 0 is, in pixels from the pixel's left upper corner.
     Offset0,
+    /// Mattes of objects and materials.
+    Cryptomatte,
+    /// Mattes of assets.
+    Cryptoasset,
 }
 
 /// The channels of sample 0. Their values are stored, each in a word of 32 bits: a mean over samples would blend surfaces at edges. Each has its
@@ -266,7 +273,7 @@ impl Aovs {
             let channel = |(component, name): (usize, String)| Channel { aov: *aov, component, name };
             components.iter().map(name).enumerate().map(channel).collect::<Vec<_>>()
         };
-        self.list.iter().flat_map(of_aov).collect()
+        self.list.iter().flat_map(of_aov).chain(self.matte_channels()).collect()
     }
 
     /// The layer of a channel, and its components.
@@ -300,6 +307,8 @@ impl Aovs {
             (_, Aov::Uv0) => ("uv0", &["U", "V"]),
             (_, Aov::Face0) => ("face0", &["Y"]),
             (_, Aov::Offset0) => ("offset0", &["X", "Y"]),
+            // They have several layers.
+            (_, Aov::Cryptomatte | Aov::Cryptoasset) => ("", &[]),
         }
     }
 }

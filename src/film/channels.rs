@@ -54,7 +54,7 @@ impl Splats {
 
 /// Bytes of a pixel of the device's film.
 pub fn device_bytes(aovs: &Aovs, light_paths: bool) -> u64 {
-    let words = aovs.words_of_kernels().len();
+    let words = aovs.words_of_kernels().len() + aovs.matte_words();
     (size_of::<PixelTotals>() + count(aovs, light_paths) * size_of::<[u32; 4]>() + words * size_of::<u32>()) as u64
 }
 

@@ -77,6 +77,7 @@ impl Film {
             Aov::Normal0 => vector().map_or(0.0, |normal| space.direction(normal)[component]),
             Aov::Uv0 | Aov::Offset0 => float(component).unwrap_or(0.0),
             Aov::Face0 => words.first().map_or(0.0, |number| f64::from(*number)),
+            Aov::Cryptomatte | Aov::Cryptoasset => self.matte_value(index, channels.aovs.matte_value(component), all),
         })
     }
 

@@ -51,6 +51,9 @@ pub struct DeviceScene {
     pub material_names: Vec<String>,
     /// With `--aov object`: the names of the primitives, in the order of their numbers.
     pub object_names: Vec<String>,
+    /// With mattes: the ids of each object in the order of their numbers, one of each kind; and the names of each kind.
+    pub matte_ids: Vec<u32>,
+    pub matte_names: Vec<Vec<String>>,
     /// How objects move while the shutter is open (shaders/data/motion); empty if nothing does.
     pub motions: Vec<[u32; 4]>,
     pub textures: Vec<data::Texture>,

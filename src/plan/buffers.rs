@@ -22,6 +22,7 @@ impl Kernels {
         let layout = path_layout(&self.path_fields);
         let (plane_bytes, word_bytes) = (layout.plane_bytes(), layout.word_bytes());
         let header = u64::from(QUEUE_HEADER);
+        let mattes = self.aovs.mattes().len().max(1) as u64;
         let array = |(name, contents, stride, why): Table<'a>| {
             let spec = BufferSpec::scene(name, vec![contents], why);
             let size = format!("{} x {stride} bytes", spec.bytes / stride);
@@ -57,6 +58,12 @@ impl Kernels {
                 "directional_albedos",
                 &flat.directional_albedos,
                 "directional albedos of rough metals by single scattering",
+            )),
+            array((
+                "matte_ids",
+                Cow::Borrowed(bytemuck::cast_slice(&flat.matte_ids)),
+                4 * mattes,
+                "ids of mattes by object",
             )),
             array(table("motions", &flat.motions, "how objects move while the shutter is open")),
             array(table("meshes", &flat.meshes, "faces and vertices of meshes")),
