@@ -71,14 +71,26 @@ impl Aovs {
         self.mattes().len() * MATTE_WORDS as usize
     }
 
+    /// The name of a kind's layers, without their numbers. The attributes have it, too.
+    fn matte_layer(&self, kind: MatteKind) -> String {
+        match self.names {
+            ChannelNames::Plain => kind.name().to_owned(),
+            ChannelNames::Blender => format!("ViewLayer.{}", kind.name()),
+        }
+    }
+
+    /// Whether the name of a channel has that of Blender's view layer already.
+    pub fn is_full_name(&self, channel: &Channel) -> bool {
+        channel.aov == Aov::Cryptomatte && self.matte_value(channel.component) != MatteValue::Lost
+    }
+
     /// The channels of mattes in an image file.
     pub(super) fn matte_channels(&self) -> impl Iterator<Item = Channel> {
         let letters = if self.names == ChannelNames::Blender { ["r", "g", "b", "a"] } else { ["R", "G", "B", "A"] };
         let of_kind = move |kind: &MatteKind| {
-            let kind = kind.name();
-            (0..OF_KIND)
-                .map(move |number| format!("{kind}{:02}.{}", number / 4, letters[number % 4]))
-                .collect::<Vec<_>>()
+            let layer = self.matte_layer(*kind);
+            let channel = |number: usize| format!("{layer}{:02}.{}", number / 4, letters[number % 4]);
+            (0..OF_KIND).map(channel).collect::<Vec<_>>()
         };
         let lost = (!self.mattes().is_empty()).then(|| format!("{LOST}.Y"));
         let names = self.mattes().iter().flat_map(of_kind).chain(lost);
@@ -98,10 +110,7 @@ impl Aovs {
     /// The attributes of a file that name the ids of its mattes. `names` has those of each kind.
     pub fn matte_attributes(&self, names: &[Vec<String>]) -> Vec<(String, String)> {
         let of_kind = |(kind, names): (&MatteKind, &Vec<String>)| {
-            let layer = match self.names {
-                ChannelNames::Plain => kind.name().to_owned(),
-                ChannelNames::Blender => format!("ViewLayer.{}", kind.name()),
-            };
+            let layer = self.matte_layer(*kind);
             let ids: BTreeMap<&str, String> =
                 names.iter().map(|name| (name.as_str(), format!("{:08x}", id_of(name)))).collect();
             let manifest = Value::from_iter(ids.into_iter().map(|(name, id)| (name, Value::from(id)))).to_string();
@@ -144,19 +153,23 @@ fn hash_of(text: &str) -> u32 {
 mod tests {
     use super::*;
 
-    /// Vectors of the reference implementation, and of the specification's sample code.
+    /// Vectors of other implementations, and what Blender 5.0 writes of its startup file.
     #[test]
-    fn hashes_are_those_of_murmur() {
+    fn hashes_are_those_of_others() {
         for (text, hash) in [
             ("", 0),
-            ("aaaa", 0x2b5d_b8d8),
-            ("hello", 0x248b_fa47),
+            ("a", 0x3c25_69b2),
+            ("ab", 0x9bbf_d75f),
+            ("abc", 0xb3dd_93fa),
+            ("aaaa", 0x7eee_d987),
             ("hello, world", 0x149b_bb7f),
-            ("The quick brown fox jumps over the lazy dog", 0x2e4f_f723),
+            ("Küche 場景", 0x3f33_8d48),
+            ("Cube", 0xa8fc_e865),
+            ("ViewLayer.CryptoObject", 0x542c_afaf),
         ] {
             assert_eq!(hash_of(text), hash, "{text}");
         }
-        assert_eq!(id_of("hello"), 0x248b_fa47);
+        assert_eq!(id_of("Material"), 0x3913_209d);
         // The exponent of an id is neither 0 nor 255.
         assert_eq!(id_of(""), 1 << 23);
         assert!((0..20_000).all(|number| f32::from_bits(id_of(&number.to_string())).is_normal()));

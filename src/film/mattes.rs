@@ -2,7 +2,6 @@
 
 use std::cmp::Reverse;
 
-use super::Film;
 use crate::aov::{Aovs, MatteValue};
 use crate::data::{MATTE_SLOTS, MATTE_WORDS};
 use crate::error::{Error, Result};
@@ -77,14 +76,32 @@ impl Mattes {
         tables.zip(other.words.as_chunks().0).for_each(|(mine, theirs)| join(mine, theirs));
     }
 
+    /// A channel of a pixel, of so many camera samples in all. Samples that were rejected have their share, so that the mattes of a pixel without
+    /// background add up to 1.
+    pub fn value(&self, index: usize, value: MatteValue, samples: f64) -> f64 {
+        let ranked = |kind, rank| self.ranked(index, kind, rank);
+        match value {
+            MatteValue::Id(kind, rank) => f64::from(f32::from_bits(ranked(kind, rank)[0])),
+            // A film that a device has left before its end lacks samples that have hit.
+            MatteValue::Share(kind, rank) => (f64::from(ranked(kind, rank)[1]) / samples.max(1.0)).min(1.0),
+            MatteValue::Lost => f64::from(self.lost(index)),
+        }
+    }
+
+    /// The number of pixels that lack samples; `None` if the film has no mattes.
+    pub fn pixels_lost(&self) -> Option<u64> {
+        let pixels = self.words.len().checked_div(self.count)?;
+        Some((0..pixels).filter(|index| self.lost(*index) > 0).count() as u64)
+    }
+
     /// The id of this rank, and its samples; zeros where there is none.
-    pub fn ranked(&self, index: usize, kind: usize, rank: usize) -> [u32; 2] {
+    fn ranked(&self, index: usize, kind: usize, rank: usize) -> [u32; 2] {
         let first = kind * WORDS + 2 * rank;
         self.of_pixel(index).get(first..first + 2).map_or([0; 2], |found| [found[0], found[1]])
     }
 
     /// The samples that no matte has, of the kind that lacks the most.
-    pub fn lost(&self, index: usize) -> u32 {
+    fn lost(&self, index: usize) -> u32 {
         self.of_pixel(index).as_chunks::<WORDS>().0.iter().map(|table| table[WORDS - 1]).max().unwrap_or(0)
     }
 }
@@ -97,27 +114,6 @@ pub(super) fn names(aovs: &Aovs) -> Vec<String> {
         slots.chain([format!("matte{kind}.lost")])
     };
     (0..aovs.mattes().len()).flat_map(of_kind).collect()
-}
-
-impl Film {
-    /// A channel of a pixel's mattes, of so many camera samples in all. Samples that were rejected have their share, so that the mattes of a
-    /// pixel without background add up to 1.
-    pub(super) fn matte_value(&self, index: usize, value: MatteValue, samples: f64) -> f64 {
-        match value {
-            MatteValue::Id(kind, rank) => f64::from(f32::from_bits(self.mattes.ranked(index, kind, rank)[0])),
-            // A film that a device has left before its end lacks samples that have hit.
-            MatteValue::Share(kind, rank) => {
-                (f64::from(self.mattes.ranked(index, kind, rank)[1]) / samples.max(1.0)).min(1.0)
-            }
-            MatteValue::Lost => f64::from(self.mattes.lost(index)),
-        }
-    }
-
-    /// In how many pixels mattes lack samples, as these see more than [`MATTE_SLOTS`] names; `None` without mattes.
-    pub fn matte_pixels_lost(&self) -> Option<u64> {
-        let is_lost = |index: &usize| self.mattes.lost(*index) > 0;
-        (self.mattes.count > 0).then(|| (0..self.pixels.len()).filter(is_lost).count() as u64)
-    }
 }
 
 #[cfg(test)]

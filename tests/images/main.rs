@@ -24,6 +24,7 @@ mod large_spheres;
 mod light_paths;
 mod light_sampling;
 mod lobes;
+mod mattes;
 mod motion;
 mod multiscatter;
 mod narrow_lobes;

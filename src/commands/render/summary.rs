@@ -99,8 +99,8 @@ pub fn error_words(finish: &Finish) -> String {
 pub fn matte_warning(finish: &Finish) -> Option<String> {
     let lost = finish.matte_pixels_lost.filter(|lost| *lost > 0)?;
     Some(format!(
-        "warning: {} see more than {MATTE_SLOTS} names: their mattes lack samples, which crypto_lost counts, and may depend on how the work is \
-         split. More pixels (--size), or fewer names, avoid that",
+        "warning: the camera sees more than {MATTE_SLOTS} names in {}: mattes lack samples there, which crypto_lost counts, and may depend on how \
+         the work is split. More pixels (--size) or fewer names avoid that",
         counted(lost, "pixel")
     ))
 }
