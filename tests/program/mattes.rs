@@ -3,7 +3,6 @@
 use crate::aov::channels;
 use crate::common::device::index as software;
 use crate::common::gltf::{glb, moving};
-use crate::common::program::words;
 use crate::sandbox::{SPHERE, Sandbox, attribute};
 use serde_json::{Value, json};
 
