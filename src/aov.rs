@@ -1,11 +1,14 @@
 //! Channels of `--aov` (arbitrary output variables, AOVs): which there are, which sums of the film they are made of, and how files
 //! name them.
 
+mod mattes;
+
 use clap::ValueEnum;
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
 use crate::data::CHANNELS;
+pub use mattes::{MatteKind, MatteValue, id_of};
 
 /// The group of the background.
 pub const BACKGROUND: &str = "background";
@@ -49,6 +52,10 @@ pub enum Aov {
     Offset0,
     /// The radiance of each group of lights, and of the lights without a group.
     Lights,
+    /// Mattes of objects and materials.
+    Cryptomatte,
+    /// Mattes of assets.
+    Cryptoasset,
 }
 
 /// The channels of sample 0. Their values are stored, each in a word of 32 bits: a mean over samples would blend surfaces at edges. Each has its
@@ -331,7 +338,7 @@ impl Aovs {
             let channel = |(component, name): (usize, String)| Channel { aov: *aov, component, name };
             components.iter().map(name).enumerate().map(channel).collect::<Vec<_>>()
         };
-        self.list.iter().flat_map(of_aov).collect()
+        self.list.iter().flat_map(of_aov).chain(self.matte_channels()).collect()
     }
 
     fn channels_of_lights(&self) -> Vec<Channel> {
@@ -380,6 +387,8 @@ impl Aovs {
             (_, Aov::Offset0) => ("offset0", &["X", "Y"]),
             // Their layers are those of the groups.
             (_, Aov::Lights) => ("light", &CHANNELS),
+            // They have several layers.
+            (_, Aov::Cryptomatte | Aov::Cryptoasset) => ("", &[]),
         }
     }
 }

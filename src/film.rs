@@ -11,6 +11,7 @@ mod estimate;
 mod floats;
 mod lamps;
 mod lights;
+mod mattes;
 mod pixel;
 mod totals;
 mod values;
@@ -34,6 +35,7 @@ pub use words::{sample_variance_of, word_names};
 use channels::Channels;
 use estimate::Estimate;
 use floats::{exp2, to_f32};
+use mattes::Mattes;
 use pixel::Pixel;
 
 /// The value of [`Picture::variance`] if the variance is not known: the largest finite f32. An image file must hold finite values, 0
@@ -66,6 +68,7 @@ pub struct Film {
     pixels: Vec<Pixel>,
     /// The channels of `--aov`, and the splats of light paths.
     channels: Channels,
+    mattes: Mattes,
     pub totals: Totals,
 }
 
@@ -106,7 +109,7 @@ impl Film {
         let pixels = bytemuck::allocation::try_zeroed_vec::<Pixel>(count).map_err(cannot)?;
         let frame = Frame::full((width, height));
         let (bound, channels, totals) = (Bound::default(), Channels::default(), Totals::default());
-        Ok(Film { exponent, sampler, bound, frame, pixels, channels, totals })
+        Ok(Film { exponent, sampler, bound, frame, pixels, channels, mattes: Mattes::default(), totals })
     }
 
     /// Adds to an empty film the channels of `--aov`, and the sums of the splats of light paths if it is to have them. `space` maps the kernels'
@@ -115,7 +118,9 @@ impl Film {
     /// # Errors
     /// `Error::Usage` if memory does not hold them.
     pub fn with_channels(self, aovs: &Aovs, space: SceneSpace, light_paths: bool) -> Result<Film> {
-        Ok(Film { channels: Channels::new(self.pixels.len(), aovs, space, light_paths)?, ..self })
+        let count = self.pixels.len();
+        let mattes = Mattes::new(count, aovs)?;
+        Ok(Film { channels: Channels::new(count, aovs, space, light_paths)?, mattes, ..self })
     }
 
     /// Whether it has sums of the splats of light paths.
@@ -142,6 +147,7 @@ impl Film {
     pub fn clear(&mut self) {
         self.pixels.fill(Pixel::default());
         self.channels.clear();
+        self.mattes.clear();
         self.totals = Totals::default();
     }
 
@@ -179,7 +185,10 @@ impl Film {
             return self.add(pixels.into_iter().zip(totals), Totals::default());
         }
         for (index, bytes) in pixels.into_iter().zip(bytes.chunks_exact(each)) {
-            let (totals, sums) = bytes.split_at(size_of::<PixelTotals>());
+            let (totals, rest) = bytes.split_at(size_of::<PixelTotals>());
+            let (sums, mattes) = rest.split_at(rest.len() - self.channels.aovs.matte_words() * size_of::<u32>());
+            let mattes: Vec<u32> = mattes.chunks_exact(size_of::<u32>()).map(bytemuck::pod_read_unaligned).collect();
+            self.mattes.add(index, &mattes);
             let totals: PixelTotals = bytemuck::pod_read_unaligned(totals);
             self.channels.add_from_device(index, &totals, sums, motion);
             self.add([(index, &totals)], Totals::default());
@@ -207,6 +216,7 @@ impl Film {
         }
         self.pixels.iter_mut().zip(&other.pixels).for_each(|(mine, theirs)| mine.add(theirs));
         self.channels.add(&other.channels);
+        self.mattes.merge(&other.mattes);
         self.totals += other.totals;
         self.bound.merge(&other.bound);
         Ok(())

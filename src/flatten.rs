@@ -16,6 +16,7 @@ mod lamps_in_view;
 mod light_parts;
 mod light_paths;
 mod light_tree;
+mod mattes;
 mod media;
 mod mesh_tables;
 mod meshes;
@@ -122,10 +123,10 @@ pub fn flatten_with(
     let mut flat =
         DeviceScene { features, radiance_exponent, brightest: of_paths, space: to_scene, ..DeviceScene::default() };
     if options.aov.has(Aov::Object) {
-        let name = |(own, place): (Option<&str>, usize)| own.map_or_else(|| format!("objects[{place}]"), str::to_owned);
-        flat.object_names = finder.primitives.iter().map(|primitive| name(primitive.name)).collect();
+        flat.object_names = finder.primitives.iter().map(|primitive| mattes::name_of(&primitive.name)).collect();
     }
     flat.light_groups = light_groups::names(scene);
+    mattes::add(&mut flat, scene, &options.aov, &finder.primitives);
     flat.warnings.extend(without_light(scene, brightest));
     flat.warnings.extend(without_direction(scene, &view));
     flat.warnings.extend(hidden_emissions(scene, &emissions));

@@ -569,8 +569,8 @@ pub const TRADE_OFFS: &[&OptionSpec] = &[
 
 pub const AOV: OptionSpec = OptionSpec {
     name: "aov",
-    about: "Further channels of the EXR, with commas between: `albedo`, `normal`, `depth`, `position`, `object`, `material`, `direct`, `indirect`, `lights`; and of \
-            sample 0 `motion`, `depth0`, `distance0`, `position0`, `normal0`, `uv0`, `face0`, `offset0`.",
+    about: "Further channels of the EXR, with commas between: `albedo`, `normal`, `depth`, `position`, `object`, `material`, `direct`, `indirect`, `lights`, `cryptomatte` \
+            (and for glTF `cryptoasset`); and of sample 0 `motion`, `depth0`, `distance0`, `position0`, `normal0`, `uv0`, `face0`, `offset0`.",
     class: Class::Channels,
     reading: Some(Reading {
         takes: ("LIST", None),

@@ -2,6 +2,9 @@
 //@ each hit_channel
 //@ use aov/${name}
 //@ end
+//@ each matte
+//@ use aov/${name}
+//@ end
 // Channels of the first surface that a camera ray hits. Media do not matter to them.
 fn record_hit(path: ptr<function, Path>) {
     if (*path).depth != 0u || (*path).status >= FIRST_STATUS {
@@ -9,6 +12,9 @@ fn record_hit(path: ptr<function, Path>) {
     }
     //@ each hit_sum
     (*path).aov[${number}u] += ${name};
+    //@ end
+    //@ each matte
+    count_${name}(path);
     //@ end
 }
 

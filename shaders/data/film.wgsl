@@ -20,11 +20,20 @@ struct PixelTotals {
     // A bit for each group of lights with a sum that has left its range. Their sums stand before those of splats.
     saturated_groups: array<atomic<u32>, ${words_of_groups}>,
     //@ end
+    //@ if mattes
+    // A table for each kind of matte (aov/mattes): MATTE_SLOTS times an id, or 0, with the number of its camera samples; then the number of those
+    // for whose ids there is no room.
+    mattes: array<array<atomic<u32>, MATTE_WORDS>, ${matte_kinds}>,
+    //@ end
 }
 
 // Bits after the binary point of a sum of radiance, in device units, and of a sum of squares, in device units squared.
 const SUM_FRACTION: u32 = 88u;
 const SQUARE_FRACTION: u32 = 96u;
+
+// The ids in a table of mattes, and its words.
+const MATTE_SLOTS: u32 = 16u;
+const MATTE_WORDS: u32 = 33u;
 
 // The bit of `saturated` that belongs to a sum.
 fn saturated_bit(sum: u32) -> u32 {

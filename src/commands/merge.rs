@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use super::console::{command_line, object, path_text, print_json, tell};
 use super::outputs::{EXR, check_name, check_outputs};
-use super::render::{Finish, attributes_of, error_words, excluded, noise_words, reliability_warnings};
+use super::render::{Finish, attributes_of, error_words, excluded, matte_warning, noise_words, reliability_warnings};
 use crate::cli::{relative_error, sample_range};
 use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};
@@ -85,7 +85,8 @@ pub fn run(args: &MergeArgs) -> Result<()> {
     // Also values that the joined image lacks, and that have no attribute.
     let is_of_one_part = |name: &str| name.starts_with("seconds_") || name.starts_with("noise");
     attributes.retain(|(name, _)| {
-        name.strip_prefix("gpu-rt:").is_some_and(|name| !record.contains_key(name) && !is_of_one_part(name))
+        name.starts_with("cryptomatte/")
+            || name.strip_prefix("gpu-rt:").is_some_and(|name| !record.contains_key(name) && !is_of_one_part(name))
     });
     attributes.extend(attributes_of(&record));
     let state = State::new(first.state.identity.clone(), film);
@@ -104,7 +105,7 @@ pub fn run(args: &MergeArgs) -> Result<()> {
         if let (Some(error), Some(noise)) = (args.noise, noise) {
             tell(&noise_words(error, noise, &finish.verdict));
         }
-        reliability_warnings(&finish).for_each(|warning| tell(&warning));
+        matte_warning(&finish).into_iter().chain(reliability_warnings(&finish)).for_each(|warning| tell(&warning));
         let error = error_words(&finish);
         let (parts, samples) = (counted(*count as u64, "part"), counted(samples.count(), "sample"));
         tell(&format!("{}: {parts}, {samples}, {error}", args.output.display()));

@@ -21,7 +21,7 @@ use super::scene::tell_biases;
 use super::signals::Signals;
 use crate::aov::Aov;
 use crate::error::{Error, Result};
-use crate::scene::Scene;
+use crate::scene::{Scene, is_gltf};
 use crate::threads::join;
 pub use args::RenderArgs;
 use last_write::LastWrite;
@@ -32,17 +32,18 @@ pub use request::excluded;
 use request::{Request, denoising_of};
 use resume::starting_film;
 pub use series::{Reported, Series};
-pub use summary::{error_words, noise_words, reliability_warnings};
+pub use summary::{error_words, matte_warning, noise_words, reliability_warnings};
 use summary::{rejected_words, summarise};
 use viewers::Viewers;
 
 /// Renders the scene once, or whenever it changes, or for each frame of it.
 pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {
     Viewers::check(args)?;
-    if args.keep.watch {
-        return watch::watch(args, start, render);
-    }
     let mut args = args.clone();
+    args.options.aov.complete(is_gltf(&args.scene.path));
+    if args.keep.watch {
+        return watch::watch(&args, start, render);
+    }
     if args.denoising.denoise {
         args.options.aov.include(&[Aov::Albedo, Aov::Normal]);
     }

@@ -105,6 +105,7 @@ impl Server {
         if let Some(words) = &request.aov {
             args.options.aov.set(Aovs::parse(words).map_err(|reason| Error::Usage(format!("aov: {reason}")))?);
         }
+        args.options.aov.complete(is_gltf(&args.scene.path));
         args.scene.gltf.frame = request.frame.or(args.scene.gltf.frame);
         let read = read_for(&args);
         if read != self.read {

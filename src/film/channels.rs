@@ -55,8 +55,9 @@ impl Splats {
 
 /// Bytes of a pixel of the device's film.
 pub fn device_bytes(aovs: &Aovs, light_paths: bool) -> u64 {
-    // Behind the words, one says which groups of lights have left their range.
-    let words = aovs.words_of_kernels().len() + usize::from(!aovs.groups().is_empty());
+    // Behind the words of sample 0, one says which groups of lights have left their range; then come mattes.
+    let of_groups = usize::from(!aovs.groups().is_empty());
+    let words = aovs.words_of_kernels().len() + of_groups + aovs.matte_words();
     (size_of::<PixelTotals>() + count(aovs, light_paths) * size_of::<[u32; 4]>() + words * size_of::<u32>()) as u64
 }
 

@@ -78,7 +78,13 @@ impl Film {
             Aov::Normal0 => vector().map_or(0.0, |normal| space.direction(normal)[component]),
             Aov::Uv0 | Aov::Offset0 => float(component).unwrap_or(0.0),
             Aov::Face0 => words.first().map_or(0.0, |number| f64::from(*number)),
+            Aov::Cryptomatte | Aov::Cryptoasset => self.mattes.value(index, channels.aovs.matte_value(component), all),
         })
+    }
+
+    /// In how many pixels mattes lack samples, as the camera sees too many names there; `None` without mattes.
+    pub fn matte_pixels_lost(&self) -> Option<u64> {
+        self.mattes.pixels_lost()
     }
 
     /// The words of a channel of sample 0; empty of others.

@@ -3,6 +3,7 @@
 use super::Film;
 use super::channels::{self, Splats};
 use super::floats::exp2;
+use super::mattes;
 use super::pixel::{LEAST_SQUARES, Pixel};
 use crate::aov::Aovs;
 use crate::data::{CHANNELS, SQUARE_FRACTION, SampleVariance};
@@ -98,7 +99,7 @@ pub fn word_names(aovs: &Aovs, light_paths: bool) -> Vec<String> {
     let sums = sums.flat_map(|name| CHANNELS.map(|channel| (format!("{name}.{channel}"), OF_SUM)));
     let counts = ["even", "odd", "runs", "rejected"].map(|name| (name.to_string(), 2));
     let channels = channels::names(aovs, light_paths).map(|name| (name, OF_SUM));
-    let stored = aovs.words_on_film().into_iter().map(|name| (name, 2));
+    let stored = aovs.words_on_film().into_iter().chain(mattes::names(aovs)).map(|name| (name, 2));
     let named = sums.chain(counts).chain(stored).chain(channels);
     named.flat_map(|(name, words)| (0..words).map(move |word| format!("{name}.{word}"))).collect()
 }
@@ -114,13 +115,16 @@ impl Film {
         let (of_pixel, rest) = words.split_at_mut(OF_PIXEL);
         self.pixels.get(index).copied().unwrap_or_default().put(of_pixel);
         let (stored, of_channels) = rest.split_at_mut(rest.len() - OF_SUM * self.channels.count);
+        let (stored, of_mattes) = stored.split_at_mut(2 * self.channels.words);
         put_counts(self.channels.words_of_pixel(index), stored);
+        put_counts(self.mattes.of_pixel(index), of_mattes);
         put_sums(self.channels.sums_of_pixel(index).iter(), of_channels);
     }
 
     /// Returns the words of a pixel.
     pub fn words(&self, index: usize) -> Vec<u16> {
-        let mut words = vec![0; OF_PIXEL + 2 * self.channels.words + OF_SUM * self.channels.count];
+        let of_counts = self.channels.words + self.channels.aovs.matte_words();
+        let mut words = vec![0; OF_PIXEL + 2 * of_counts + OF_SUM * self.channels.count];
         self.put_words(index, &mut words);
         words
     }
@@ -135,7 +139,9 @@ impl Film {
         if let Some(sums) = self.channels.of_mut(index) {
             sums.iter_mut().zip(sums_of(of_channels)).for_each(|(mine, sum)| *mine = mine.saturating_add(sum));
         }
+        let (stored, of_mattes) = stored.split_at(2 * self.channels.words);
         self.channels.keep_words(index, &counts_of(stored).collect::<Vec<_>>());
+        self.mattes.add(index, &counts_of(of_mattes).collect::<Vec<_>>());
     }
 }
 

@@ -59,6 +59,9 @@ pub struct DeviceScene {
     pub light_groups: Vec<String>,
     /// The number of the group of each light without size, then of each row of `materials`; [`NO_GROUP`] where there is none.
     pub groups_of_lights: Vec<u32>,
+    /// With mattes: the ids of each object in the order of their numbers, one of each kind; and the names of each kind.
+    pub matte_ids: Vec<u32>,
+    pub matte_names: Vec<Vec<String>>,
     /// How objects move while the shutter is open (shaders/data/motion); empty if nothing does.
     pub motions: Vec<[u32; 4]>,
     pub textures: Vec<data::Texture>,

@@ -14,8 +14,15 @@ use crate::shape::mesh::MeshShape;
 use crate::shape::similarity::Similarity;
 use crate::shape::{BoundingShape, KINDS, ObjectTransform, RenderSpace, Shape};
 
-/// The name of the innermost `Named` around an object, if there is one; and its place among the objects of the scene.
-type Name<'a> = (Option<&'a str>, usize);
+/// The names around an object.
+#[derive(Clone, Copy, Default)]
+pub struct Name<'a> {
+    /// Of the innermost `Named`, if there is one.
+    pub own: Option<&'a str>,
+    pub outermost: Option<&'a str>,
+    /// Its place among the objects of the scene.
+    pub place: usize,
+}
 
 /// A primitive, with the transform that its texture needs.
 pub struct Primitive<'a> {
@@ -96,7 +103,7 @@ impl<'a> Finder<'a> {
             meshes,
             eye,
             shutter: Shutter::new(camera),
-            name: (None, 0),
+            name: Name::default(),
             primitives: Vec::new(),
             media: Vec::new(),
             lights: Vec::new(),
@@ -106,7 +113,7 @@ impl<'a> Finder<'a> {
     /// Adds the primitives, media and lights of the scene's objects.
     pub fn add_all(&mut self, objects: &'a [Object], world: &Placement) {
         for (index, object) in objects.iter().enumerate() {
-            self.name = (None, index);
+            self.name = Name { place: index, ..Name::default() };
             self.add(object, world);
         }
     }
@@ -114,9 +121,10 @@ impl<'a> Finder<'a> {
     fn add(&mut self, object: &'a Object, at: &Placement) {
         match object {
             Object::Named { name, object } => {
-                let outer = self.name.0.replace(name);
+                let outer = self.name;
+                self.name = Name { own: Some(name), outermost: outer.outermost.or(Some(name)), ..outer };
                 self.add(object, at);
-                self.name.0 = outer;
+                self.name = outer;
             }
             Object::Transformed { by, object } => self.add(object, &at.transformed(by)),
             Object::Moving { keys, object } => self.add(object, &at.moving(keys, self.shutter)),

@@ -22,6 +22,7 @@ impl Kernels {
         let layout = path_layout(&self.path_fields);
         let (plane_bytes, word_bytes) = (layout.plane_bytes(), layout.word_bytes());
         let header = u64::from(QUEUE_HEADER);
+        let mattes = self.aovs.mattes().len().max(1) as u64;
         let array = |(name, contents, stride, why): Table<'a>| {
             let spec = BufferSpec::scene(name, vec![contents], why);
             let size = format!("{} x {stride} bytes", spec.bytes / stride);
@@ -59,6 +60,12 @@ impl Kernels {
                 "directional albedos of rough metals by single scattering",
             )),
             array(table("light_groups", &flat.groups_of_lights, "the groups of lights")),
+            array((
+                "matte_ids",
+                Cow::Borrowed(bytemuck::cast_slice(&flat.matte_ids)),
+                4 * mattes,
+                "ids of mattes by object",
+            )),
             array(table("motions", &flat.motions, "how objects move while the shutter is open")),
             array(table("meshes", &flat.meshes, "faces and vertices of meshes")),
             array(table("face_pairs", &flat.face_pairs, "faces of meshes as walks read them")),

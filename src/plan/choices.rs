@@ -189,6 +189,7 @@ fn lists_of_sums(facts: &Facts, aovs: &Aovs) -> Lists {
     let channel = |(number, sum): (u32, Sum)| Some((sum.name(), number, reason_of(facts, "aov_hit")?.clone()));
     BTreeMap::from([
         ("hit_channel", closed(channels.filter_map(channel))),
+        ("matte", closed(reason_of(facts, "mattes").map(|why| ("mattes", 0, why.clone())).into_iter())),
         ("hit_sum", sums_of(Finder::Hit, "aov_hit")),
         ("surface_sum", sums_of(Finder::Surface, "aov_surface")),
         ("direct_sum", sums_of(Finder::Direct, "aov.direct")),
@@ -221,6 +222,7 @@ fn values(
 ) -> Vec<(&'static str, u32)> {
     let has = |fact: &str| reason_of(facts, fact).is_some();
     let extensions = evaluated_rows().filter(|row| has(row.name)).count() as u32;
+    let mattes = options.aov.mattes().len() as u32;
     let traces_light = options.light_paths.count() > 0;
     let (splat_sums, on_film) = (if traces_light { SPLAT_SUMS } else { 0 }, options.aov.count_on_film(traces_light));
     let background = options.aov.groups().iter().position(|group| group == BACKGROUND);
@@ -244,10 +246,11 @@ fn values(
         ),
         // The iterations that count for passing a pane: those of the longest texture, or some for its material.
         ("pane_steps", if own.pane_textures { 384 } else { 8 }),
-        // Seven octaves of noise over eight corners, for each texture of a material, five at least, and one of a light; and the parts of a
-        // light.
-        ("iterations_of_shading", 64 * (extensions.max(5) + 1 + u32::from(has("parted")))),
+        // Seven octaves of noise over eight corners, for each texture of a material, five at least, and one of a light; the parts of a
+        // light; and the exchanges of each kind of matte.
+        ("iterations_of_shading", 64 * (extensions.max(5) + 1 + u32::from(has("parted")) + mattes)),
         ("run_length", RUN_LENGTH),
+        ("matte_kinds", mattes),
         ("stored_words", options.aov.words_of_kernels().len() as u32),
         // The sums of a pixel of the film, and the `--aov` sums of a path.
         ("film_sums", (FILM_SUMS + on_film + splat_sums) as u32),

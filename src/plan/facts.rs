@@ -56,7 +56,7 @@ const DERIVED: &[(&str, &str)] = &[
     // Something moves.
     ("motion", "moves | boundary_moves | moving_camera | moving_light | moving_medium"),
     // Sums of `--aov`, by the stage that finds them.
-    ("aov_hit", "aov.hit & surface"),
+    ("aov_hit", "(aov.hit | mattes) & surface"),
     ("aov_surface", "aov.surface & event"),
     ("aov_rough", "aov_surface & seen.rough"),
     // Radiance is stored until a sample ends.
@@ -168,6 +168,7 @@ pub(super) fn facts(features: &Features, options: &RenderOptions, purpose: Purpo
     facts.extend([
         is("aov", options.aov.count() > 0, given.clone()),
         is("truth", options.aov.stored().next().is_some(), given.clone()),
+        is("mattes", !options.aov.mattes().is_empty(), given.clone()),
         is("truth.uv", options.aov.has(Aov::Uv0), given.clone()),
         is("aov.hit", found_by(Finder::Hit), given.clone()),
         is("aov.surface", found_by(Finder::Surface), given.clone()),

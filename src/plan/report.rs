@@ -336,6 +336,7 @@ fn about_constant(name: &str) -> String {
         "queues" => "queues that slots are sorted into",
         "queue" => "the queue that the kernel serves",
         "film_sums" => "sums per pixel in the film",
+        "matte_kinds" => "kinds of mattes of a pixel",
         "path_sums" => "sums of --aov, one at least",
         _ => "",
     };

@@ -276,7 +276,7 @@ fn of_model(
         render: RenderDefaults::default(),
     };
     let scene = Scene::of_parts(parts, Source::without_text(to));
-    let mut scene = Scene { frame: options.frame, notes: contents.notes, libraries, ..scene };
+    let mut scene = Scene { frame: options.frame, notes: contents.notes, assets: contents.assets, libraries, ..scene };
     finish(&mut scene, Findings::default(), progress, assets)?;
     if is_of_blender && !has_lamps {
         scene.notes.push(note(
@@ -350,6 +350,7 @@ impl Scene {
             meshes: BTreeMap::new(),
             frame: None,
             neighbours: None,
+            assets: Vec::new(),
             notes: Vec::new(),
             libraries: Vec::new(),
             made: HashSet::new(),

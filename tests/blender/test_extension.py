@@ -1094,6 +1094,43 @@ class Losses(InBlender):
         self.assertFalse([name for name in shared if name.startswith("RENDER_PT_eevee") or name == "DATA_PT_light"])
 
 
+class Compositor(InBlender):
+    def matte(self, image, layer, name):
+        """The matte that the compositor's node Cryptomatte has of a name in an image."""
+        tree = bpy.data.node_groups.new("Mattes", "CompositorNodeTree")
+        node, out = tree.nodes.new("CompositorNodeCryptomatteV2"), tree.nodes.new("NodeGroupOutput")
+        node.source, node.image = "IMAGE", bpy.data.images.load(str(image))
+        node.layer_name, node.matte_id = layer, name
+        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+        tree.links.new(node.outputs["Matte"], out.inputs[0])
+        self.scene.compositing_node_group = tree
+        self.scene.render.engine, self.scene.cycles.samples = "CYCLES", 1
+        bpy.ops.render.render()
+        return read(self.save("matte.exr"))["R"]
+
+    def test_mattes_of_objects_and_materials(self):
+        """Blender picks what a file of the program has, to the bit, with a state and without one."""
+        self.stage()
+        self.export()
+        scene, image = self.files() / "scene.ron", self.folder / "mattes.exr"
+        line = [preferences.program(), "render", scene, "--spp", "16", "--device", software_device(), "--aov", "cryptomatte", "--quiet", "--force"]
+        for state in ([], ["--no-state"]):
+            subprocess.run([*line, *state, "--aov-names", "blender", "-o", image], check=True)
+            part = OpenEXR.File(str(image), separate_channels=True).parts[0]
+            for layer, key in (("ViewLayer.CryptoObject", "542cafa"), ("ViewLayer.CryptoMaterial", "c7dbf5e")):
+                ranks = [[part.channels[f"{layer}0{number}.{letter}"].pixels for letter in letters]
+                         for number in range(3) for letters in ("rg", "ba")]
+                names = json.loads(part.header[f"cryptomatte/{key}/manifest"])
+                self.assertEqual(len(names), 2)
+                for name, hashed in names.items():
+                    expected = sum(np.where(ids.view(np.uint32) == int(hashed, 16), share, 0) for ids, share in ranks)
+                    found = self.matte(image, layer, name)
+                    np.testing.assert_array_equal(found, expected)
+                    self.assertGreater(((found > 0) & (found < 1)).sum(), 10)
+            # The control: a name that no pixel has.
+            self.assertEqual(self.matte(image, "ViewLayer.CryptoObject", "Cone").max(), 0)
+
+
 class Files(InBlender):
     def test_manifest_has_the_version_of_the_program(self):
         said = subprocess.run([preferences.program(), "--version"], capture_output=True, text=True, check=True).stdout

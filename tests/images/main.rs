@@ -25,6 +25,7 @@ mod light_groups;
 mod light_paths;
 mod light_sampling;
 mod lobes;
+mod mattes;
 mod motion;
 mod multiscatter;
 mod narrow_lobes;

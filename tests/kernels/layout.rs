@@ -25,11 +25,12 @@ fn modules() -> Vec<naga::Module> {
     linked(LightPaths::Off).into_iter().chain(std::iter::once(probe)).collect()
 }
 
-/// Those modules, and those of renders with light paths, whose films have more sums, and with words of sample 0.
+/// Those modules, and those of renders with light paths, whose films have more sums, with words of sample 0, and with mattes.
 fn all_modules() -> Vec<naga::Module> {
     let projections = ["calibrated", "calibrated_fisheye"].map(|projection| linked_as(projection, "", LightPaths::Off));
     let truth = linked_as("fisheye", "motion", LightPaths::Off);
-    [modules(), linked(LightPaths::Count(8)), projections.concat(), truth].concat()
+    let mattes = linked_as("fisheye", "cryptomatte", LightPaths::Off);
+    [modules(), linked(LightPaths::Count(8)), projections.concat(), truth, mattes].concat()
 }
 
 /// The modules of every production kernel with every feature on.
@@ -37,8 +38,8 @@ fn linked(light_paths: LightPaths) -> Vec<naga::Module> {
     linked_as("fisheye", "", light_paths)
 }
 
-/// The same with this projection, and with a channel of sample 0, if one is named.
-fn linked_as(projection: &str, truth: &str, light_paths: LightPaths) -> Vec<naga::Module> {
+/// The same with this projection, and with a channel, if one is named.
+fn linked_as(projection: &str, channel: &str, light_paths: LightPaths) -> Vec<naga::Module> {
     let mut features =
         Features::default().with_options(&RenderOptions { features: FeatureSet::All, ..RenderOptions::default() });
     features.require("light_paths", || "a test".to_string());
@@ -63,7 +64,7 @@ fn linked_as(projection: &str, truth: &str, light_paths: LightPaths) -> Vec<naga
         .flat_map(|scatter| {
             let mut options =
                 RenderOptions { fresnel: Fresnel::Schlick, clamp: Some(1.0), light_paths, ..RenderOptions::default() };
-            options.aov.set(Aovs::parse(truth).unwrap_or_default());
+            options.aov.set(Aovs::parse(channel).unwrap_or_default());
             let kernels =
                 Kernels::link(&features, &options, scatter, &UniformTables::default()).expect("everything links");
             kernels.all().into_iter().map(|kernel| kernel.module.clone()).collect::<Vec<_>>()

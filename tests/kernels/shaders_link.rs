@@ -579,6 +579,14 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     let mapped = with_extension(with_tables(mesh.clone(), true), "normal");
     let placed = having(features(1, 1, 0, SOLID, false), &["placed"]);
     found.extend([mesh, mapped, placed].map(|features| (features, RenderOptions::default())));
+    // Mattes, alone, with assets and with other channels.
+    for list in ["cryptomatte", "cryptomatte,cryptoasset,object,albedo,depth0"] {
+        let mut options = RenderOptions::default();
+        options.aov.set(Aovs::parse(list).expect("they are names"));
+        let fog = with_media(features(0, 0, 0, SOLID, false), 1, false);
+        let beside = [fog, features(1, materials, 0, SOLID, true), everything()];
+        found.extend(beside.map(|features| (features, options.clone())));
+    }
     found
 }
 

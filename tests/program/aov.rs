@@ -10,7 +10,7 @@ use exr::prelude::{MetaData, read_first_flat_layer_from_file};
 const ALL: &str = "albedo,normal,depth,position,object,material,direct,indirect,motion,depth0,distance0,position0,normal0,uv0,face0,offset0";
 
 /// The bits of all channels of a file's picture, by their names.
-fn channels(sandbox: &Sandbox, name: &str) -> BTreeMap<String, Vec<u32>> {
+pub fn channels(sandbox: &Sandbox, name: &str) -> BTreeMap<String, Vec<u32>> {
     let image = read_first_flat_layer_from_file(sandbox.at(name)).expect("an EXR");
     let bits = |channel: &exr::image::AnyChannel<exr::image::FlatSamples>| match &channel.sample_data {
         exr::image::FlatSamples::F32(values) => values.iter().map(|value| value.to_bits()).collect(),

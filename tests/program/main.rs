@@ -17,6 +17,7 @@ mod display;
 mod files;
 mod frames;
 mod gltf;
+mod mattes;
 #[cfg(unix)]
 mod names;
 #[cfg(target_os = "linux")]

@@ -24,6 +24,8 @@ pub struct Finish {
     pub devices: Vec<(String, String)>,
     pub totals: Totals,
     pub verdict: Verdict,
+    /// In how many pixels mattes lack samples, if there are mattes.
+    pub matte_pixels_lost: Option<u64>,
     /// The result of `--noise`.
     pub noise: Option<Noise>,
     /// Whether nothing is left to do.
@@ -40,6 +42,7 @@ impl Finish {
             devices: devices.clone(),
             totals: film.totals,
             verdict: film.verdict(noise.map_or(NOISE_LEVEL, |noise| noise.level())),
+            matte_pixels_lost: film.matte_pixels_lost(),
             noise,
             complete,
             more: None,
@@ -51,7 +54,7 @@ impl Finish {
         let Totals { paths, rays, rejected, too_deep, light_paths: [even, odd], .. } = self.totals;
         let names = |name: fn(&(String, String)) -> &str| self.devices.iter().map(name).collect::<Vec<_>>().join("; ");
         let Verdict { error, hidden, .. } = self.verdict;
-        object(json!({
+        let mut record = object(json!({
             "device": names(|(device, _)| device),
             "driver": names(|(_, driver)| driver),
             "first_sample": self.samples.range().start,
@@ -75,7 +78,9 @@ impl Finish {
             "reliable": self.verdict.reliable(),
             "light_stopped_by_glass": hidden.probed(),
             "light_met_through_glass": hidden.found(),
-        }))
+        }));
+        record.extend(self.matte_pixels_lost.map(|lost| ("crypto_lost_pixels".to_string(), json!(lost))));
+        record
     }
 }
 

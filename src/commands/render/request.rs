@@ -17,7 +17,7 @@ use crate::film::Film;
 use crate::flatten::DeviceScene;
 use crate::identity::Identity;
 use crate::job::{Crop, Frame, Goal, Job, MOST_SAMPLES, light_paths_of};
-use crate::options::LightPaths;
+use crate::options::{Filter, LightPaths, RenderOptions};
 use crate::output::destination::{can_be_replaced, is_standard};
 use crate::output::exr::{Attribute, State, read_state, write_render};
 use crate::output::format::{Format, format_of};
@@ -44,6 +44,8 @@ pub struct Request<'a> {
     pub materials: Vec<String>,
     /// With `--aov object`: the names of the objects, in the order of their numbers.
     pub objects: Vec<String>,
+    /// With mattes: the names of each kind.
+    pub matte_names: Vec<Vec<String>>,
     /// Samples of each pixel that the output has already, if the render goes on with them.
     pub held: Option<u64>,
     /// Known when it is first needed: hashing a large scene takes as long as reading it.
@@ -56,11 +58,26 @@ impl<'a> Request<'a> {
     /// # Errors
     /// `Error::Usage` if a file cannot be written as it is asked for, or if `--crop` is not within the image.
     pub fn new(args: &'a RenderArgs, scene: &'a Scene, start: Instant) -> Result<Request<'a>> {
+        check_mattes(&args.options)?;
         let (image, format) = checked_image(args, scene)?;
         let (frame, job) = frame_and_job(args, scene, start)?;
         let (warnings, materials, objects) = (scene.warnings(), Vec::new(), Vec::new());
         let identity = OnceLock::new();
-        Ok(Request { args, scene, frame, job, image, format, warnings, materials, objects, held: None, identity })
+        let (matte_names, held) = (Vec::new(), None);
+        Ok(Request {
+            args,
+            scene,
+            frame,
+            job,
+            image,
+            format,
+            warnings,
+            materials,
+            objects,
+            matte_names,
+            held,
+            identity,
+        })
     }
 
     /// Takes what the flattened scene says. As `check` has them, its warnings follow those of the scene.
@@ -72,6 +89,7 @@ impl<'a> Request<'a> {
         self.warnings.extend_from_slice(&view.warnings);
         self.materials.clone_from(&view.material_names);
         self.objects.clone_from(&view.object_names);
+        self.matte_names.clone_from(&view.matte_names);
         Ok(())
     }
 
@@ -112,7 +130,7 @@ impl<'a> Request<'a> {
                 "it holds {more} samples per pixel of this render, more than the {mine} here: it stays. --force overwrites it"
             )),
         };
-        write_render(exr, film, attributes, state.filter(|_| !self.args.keep.no_state), may)
+        write_render(exr, film, &self.with_mattes(attributes), state.filter(|_| !self.args.keep.no_state), may)
     }
 
     /// Writes the image into a file that has been made for it.
@@ -123,7 +141,17 @@ impl<'a> Request<'a> {
         state: Option<&State>,
         attributes: &[(String, Attribute)],
     ) -> Result<()> {
-        write_render(exr, film, attributes, state.filter(|_| !self.args.keep.no_state), || Ok(()))
+        write_render(exr, film, &self.with_mattes(attributes), state.filter(|_| !self.args.keep.no_state), || Ok(()))
+    }
+
+    /// These attributes with those that name the ids of mattes.
+    fn with_mattes(&self, attributes: &[(String, Attribute)]) -> Vec<(String, Attribute)> {
+        let of_mattes = self.args.options.aov.matte_attributes(&self.matte_names);
+        attributes
+            .iter()
+            .cloned()
+            .chain(of_mattes.into_iter().map(|(name, text)| (name, Attribute::Text(text))))
+            .collect()
     }
 
     /// Writes the picture with the EXR, if requested.
@@ -168,6 +196,18 @@ impl<'a> Request<'a> {
     pub fn ends_within_run(&self, samples: &Samples) -> bool {
         let end = samples.range().end;
         !end.is_multiple_of(RUN_LENGTH) && end < self.job.goal.end()
+    }
+}
+
+/// Refuses mattes with a filter that they cannot be counted by. The camera samples of the others are drawn in proportion to the filter.
+fn check_mattes(options: &RenderOptions) -> Result<()> {
+    match !options.aov.mattes().is_empty() && options.filter == Filter::Mitchell {
+        true => Err(Error::Usage(
+            "--filter mitchell: --aov cryptomatte counts samples, and this filter has negative weights, which no count has: use --filter \
+             gauss, tent or box; nothing has been rendered"
+                .to_string(),
+        )),
+        false => Ok(()),
     }
 }
 

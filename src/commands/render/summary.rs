@@ -3,7 +3,7 @@
 use super::record::{Finish, overrun};
 use super::request::Request;
 use crate::commands::console::tell;
-use crate::data::RUN_LENGTH;
+use crate::data::{MATTE_SLOTS, RUN_LENGTH};
 use crate::film::{Totals, Verdict};
 use crate::printable::{counted, known_bound, percent};
 use crate::render::{Noise, Outcome};
@@ -56,7 +56,7 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, tota
             tell(&format!("the device is idle for {} of the time", percent(idle)));
         }
     }
-    reliability_warnings(finish).for_each(|warning| tell(&warning));
+    matte_warning(finish).into_iter().chain(reliability_warnings(finish)).for_each(|warning| tell(&warning));
     if let (Some(wanted), Some(noise)) = (args.goal.noise, finish.noise) {
         tell(&noise_words(wanted, &noise, &finish.verdict));
     }
@@ -93,6 +93,16 @@ pub fn error_words(finish: &Finish) -> String {
         }
         None => "error unknown (no sample has met light)".to_string(),
     }
+}
+
+/// The warning that mattes lack samples.
+pub fn matte_warning(finish: &Finish) -> Option<String> {
+    let lost = finish.matte_pixels_lost.filter(|lost| *lost > 0)?;
+    Some(format!(
+        "warning: the camera sees more than {MATTE_SLOTS} names in {}: mattes lack samples there, which crypto_lost counts, and may depend on how \
+         the work is split. More pixels (--size) or fewer names avoid that",
+        counted(lost, "pixel")
+    ))
 }
 
 /// Warnings that say why the error is unreliable.

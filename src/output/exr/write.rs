@@ -114,7 +114,10 @@ impl<'a> Contents<'a> {
         for (film, channel) in film.into_iter().flat_map(|film| aovs.channels().into_iter().map(move |aov| (film, aov)))
         {
             let kind = if channel.aov == Aov::Face0 { SampleType::U32 } else { SampleType::F32 };
-            let name = format!("{before}{}", channel.name);
+            let name = match aovs.is_full_name(&channel) {
+                true => channel.name.clone(),
+                false => format!("{before}{}", channel.name),
+            };
             channels.push((name, kind, Box::new(move |index, _| film.channel_word(index, &channel))));
         }
         channels.sort_by(|(a, ..), (b, ..)| a.cmp(b));

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::DAffine3;
 use gltf::json::mesh::Primitive;
+use gltf::json::scene::Node;
 
 use super::camera::View;
 use super::deformation::has_more_joints;
@@ -55,6 +56,8 @@ pub struct Reading {
 pub struct Contents {
     pub materials: Vec<(String, Material)>,
     pub objects: Vec<Object>,
+    /// The name of the topmost node above each object.
+    pub assets: Vec<String>,
     /// The meshes of the objects with their transforms, for a camera that sees them all.
     pub meshes: Vec<(String, DAffine3)>,
     /// In the order of their nodes.
@@ -150,6 +153,7 @@ impl File {
             contents.views.extend(self.view(&scene_node)?);
             if let Some(light) = self.light(&scene_node, units)? {
                 contents.objects.push(named(&scene_node, light.object));
+                contents.assets.push(asset_of(&root.nodes, &scene_node));
                 deviations.has_range |= light.has_range;
             }
             let Some(mesh) = scene_node.node.mesh.map(|mesh| mesh.value()) else { continue };
@@ -202,6 +206,7 @@ impl File {
                         _ => object,
                     };
                     contents.objects.push(named(&scene_node, object));
+                    contents.assets.push(asset_of(&root.nodes, &scene_node));
                     let to_scene = if transforms.is_some() { to_scene } else { DAffine3::IDENTITY };
                     contents.meshes.push((part, to_scene));
                 }
@@ -213,6 +218,12 @@ impl File {
         notes.extend(deviations.notes(root, reading));
         Ok(contents)
     }
+}
+
+/// The name of the topmost node above this one, or its place in the file.
+fn asset_of(nodes: &[Node], node: &SceneNode) -> String {
+    let name = nodes.get(node.topmost).and_then(|node| node.name.as_deref()).filter(|name| !name.is_empty());
+    name.map_or_else(|| format!("nodes[{}]", node.topmost), |name| one_line(name).into_owned())
 }
 
 /// The object with the name of its node, if that has one.

@@ -14,6 +14,8 @@ use crate::source::{LARGEST, SMALLEST};
 #[derive(Clone, Copy)]
 pub struct SceneNode<'a> {
     pub index: usize,
+    /// The node of the scene that it is, or is below.
+    pub topmost: usize,
     pub node: &'a Node,
     pub to_scene: DAffine3,
     /// Whether animations move it, or a node above it.
@@ -54,6 +56,7 @@ pub struct Pose {
 #[derive(Debug)]
 struct PosedNode {
     index: usize,
+    topmost: usize,
     to_scene: DAffine3,
     is_moved: bool,
 }
@@ -88,8 +91,8 @@ impl Pose {
 }
 
 fn scene_node<'a>(node: &PosedNode, root: &'a Root) -> Option<SceneNode<'a>> {
-    let &PosedNode { index, to_scene, is_moved } = node;
-    Some(SceneNode { index, node: root.nodes.get(index)?, to_scene, is_moved })
+    let &PosedNode { index, topmost, to_scene, is_moved } = node;
+    Some(SceneNode { index, topmost, node: root.nodes.get(index)?, to_scene, is_moved })
 }
 
 /// The nodes of the default scene, or of the first scene if there is no default.
@@ -101,9 +104,11 @@ fn nodes(root: &Root, animated: &HashMap<usize, Animated>) -> Result<Vec<PosedNo
     let mut seen = HashSet::new();
     let mut found = Vec::new();
     // A stack: the first node is on top.
-    let mut nodes: Vec<(usize, Option<usize>, DAffine3, bool)> =
-        top.nodes.iter().rev().map(|node| (node.value(), None, DAffine3::IDENTITY, false)).collect();
-    while let Some((index, above, parent, is_parent_moved)) = nodes.pop() {
+    // With the topmost node and the one above.
+    let mut nodes: Vec<(usize, [Option<usize>; 2], DAffine3, bool)> =
+        top.nodes.iter().rev().map(|node| (node.value(), [None; 2], DAffine3::IDENTITY, false)).collect();
+    while let Some((index, [topmost, above], parent, is_parent_moved)) = nodes.pop() {
+        let topmost = topmost.unwrap_or(index);
         let wrong = |reason: &str| GltfError::new(format!("nodes[{index}]"), reason);
         if !seen.insert(index) {
             return Err(wrong("it occurs twice: expected a tree of nodes"));
@@ -123,9 +128,9 @@ fn nodes(root: &Root, animated: &HashMap<usize, Animated>) -> Result<Vec<PosedNo
         if !to_scene.is_finite() {
             return Err(wrong("expected transforms of finite numbers, and a rotation that is not 0"));
         }
-        found.push(PosedNode { index, to_scene, is_moved });
+        found.push(PosedNode { index, topmost, to_scene, is_moved });
         let children = node.children.iter().flatten().rev();
-        nodes.extend(children.map(|child| (child.value(), Some(index), to_scene, is_moved)));
+        nodes.extend(children.map(|child| (child.value(), [Some(topmost), Some(index)], to_scene, is_moved)));
     }
     Ok(found)
 }
