@@ -181,7 +181,7 @@ pub fn group_of_layer(layer: &str) -> Option<&str> {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Channel {
     pub aov: Aov,
-    /// Of lights, the components of one group follow those of another, and those of the rest are last.
+    /// The index. The components of one group of lights follow those of another, and those of the rest are last.
     pub component: usize,
     pub name: String,
 }

@@ -24,7 +24,7 @@ pub struct Noisy {
     pub normal: Option<Vec<Rgb<f32>>>,
 }
 
-/// What guides the denoiser: an albedo and a normal without noise.
+/// The guides of the denoiser: an albedo and a normal without noise.
 #[derive(Debug)]
 pub struct Guides {
     size: (usize, usize),

@@ -122,9 +122,6 @@ pub fn flatten_with(
         SceneSpace { eye: camera.look_from, axes: view.to_space.rotation.transpose(), exponent: length_exponent };
     let mut flat =
         DeviceScene { features, radiance_exponent, brightest: of_paths, space: to_scene, ..DeviceScene::default() };
-    if options.aov.has(Aov::Object) {
-        flat.object_names = finder.primitives.iter().map(|primitive| mattes::name_of(&primitive.name)).collect();
-    }
     flat.light_groups = light_groups::names(scene);
     mattes::add(&mut flat, scene, &options.aov, &finder.primitives);
     flat.warnings.extend(without_light(scene, brightest));

@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::{Aov, Aovs, Channel, ChannelNames};
 use crate::data::MATTE_WORDS;
 
-/// What mattes are of.
+/// The kinds of mattes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MatteKind {
     Object,
@@ -42,7 +42,7 @@ impl MatteKind {
 pub enum MatteValue {
     /// The id of this rank, from 0, of the kind of this index.
     Id(usize, usize),
-    /// Its share of the pixel.
+    /// The share of the pixel that an id has.
     Share(usize, usize),
     /// The camera samples that no matte has.
     Lost,
@@ -97,7 +97,7 @@ impl Aovs {
         names.enumerate().map(|(component, name)| Channel { aov: Aov::Cryptomatte, component, name })
     }
 
-    /// What a channel of mattes has, by the index of its component.
+    /// The contents of a channel of mattes, by the index of its component.
     pub fn matte_value(&self, component: usize) -> MatteValue {
         let (kind, rank) = (component / OF_KIND, component % OF_KIND / 2);
         match component % 2 {

@@ -17,7 +17,7 @@ impl Factors {
     /// Parses `key=1.5,sky=0.8:0.9:1`: a factor, or one each for red, green and blue.
     ///
     /// # Errors
-    /// What is expected, in words.
+    /// The expected form, in words.
     pub fn parse(text: &str) -> std::result::Result<Factors, String> {
         let factor = |text: &str| text.trim().parse::<f64>().ok().filter(|factor| factor.is_finite() && *factor >= 0.0);
         let one = |part: &str| {

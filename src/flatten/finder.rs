@@ -17,10 +17,10 @@ use crate::shape::{BoundingShape, KINDS, ObjectTransform, RenderSpace, Shape};
 /// The names around an object.
 #[derive(Clone, Copy, Default)]
 pub struct Name<'a> {
-    /// Of the innermost `Named`, if there is one.
+    /// The name of the innermost `Named`, if there is one.
     pub own: Option<&'a str>,
     pub outermost: Option<&'a str>,
-    /// Its place among the objects of the scene.
+    /// The place among the objects of the scene.
     pub place: usize,
 }
 

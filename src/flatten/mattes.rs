@@ -1,19 +1,22 @@
-//! The names of mattes, and the ids by which kernels count them.
+//! The names of objects and of mattes, and the ids by which kernels count them.
 
 use std::collections::BTreeSet;
 
 use super::device_scene::DeviceScene;
 use super::finder::{Name, Primitive};
-use crate::aov::{Aovs, MatteKind, id_of};
+use crate::aov::{Aov, Aovs, MatteKind, id_of};
 use crate::scene::Scene;
 
 /// The name of an object: its own, or its place in the scene file.
-pub fn name_of(name: &Name<'_>) -> String {
+fn name_of(name: &Name<'_>) -> String {
     name.own.map_or_else(|| format!("objects[{}]", name.place), str::to_owned)
 }
 
-/// Adds the ids of all objects, and the names of each kind of matte, also of what no camera sees.
+/// Adds the names of objects; the ids of mattes of all objects, and the names of each kind of matte, also of what no camera sees.
 pub fn add(flat: &mut DeviceScene, scene: &Scene, aovs: &Aovs, primitives: &[Primitive<'_>]) {
+    if aovs.has(Aov::Object) {
+        flat.object_names = primitives.iter().map(|primitive| name_of(&primitive.name)).collect();
+    }
     let name = |kind: MatteKind, primitive: &Primitive<'_>| match kind {
         MatteKind::Object => name_of(&primitive.name),
         MatteKind::Material => {

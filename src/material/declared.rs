@@ -24,7 +24,7 @@ const ALBEDO: Field = texture(Use::Albedo.range());
 const RADIANCE: Field = texture(Use::Radiance.range());
 const NAME: Field = other("a material's name in quotes");
 const SHARE: Field = varying(Range::SHARE);
-/// Of materials and of lights without size.
+/// The light group of a material, or of a light without size.
 pub const LIGHT_GROUP: Field = other("a name in quotes").or("no group");
 
 declare! {

@@ -30,7 +30,7 @@ pub struct Scene {
     pub frame: Option<AnimationFrame>,
     /// The frames before and after that, if motions are asked for.
     pub neighbours: Option<Box<[Scene; 2]>>,
-    /// Of a glTF file: the name of the topmost node above each object.
+    /// The assets of a glTF file: the name of the topmost node above each object.
     pub assets: Vec<String>,
     /// Warnings about what glTF files have and the scene does not.
     pub(super) notes: Vec<String>,
