@@ -13,6 +13,7 @@ use ::exr::meta::header::{Header, LayerAttributes};
 use super::attribute::{Attribute, DENOISER, attribute, decoded, text, to_io};
 use super::read::{attributes_of, find_rgb, float, note_of_colours, open, read_channels, triple};
 use super::write::{OF_PICTURE, sort_attributes};
+use crate::aov::MATTE_ATTRIBUTES;
 use crate::chromaticities::{REC_709, to_rec_709};
 use crate::data::{CHANNELS, Rgb};
 use crate::denoise::Noisy;
@@ -107,7 +108,9 @@ pub fn write_denoised(path: &Path, noisy: &NoisyFile, rgb: &[Rgb<f32>], denoiser
         comments: Some(text(COMMENTS)),
         ..noisy.header.own_attributes.clone()
     };
-    own.other.retain(|name, _| !OF_NOISE.contains(&decoded(name).as_str()));
+    // Nor has it mattes.
+    let is_of_mattes = |name: &str| name.starts_with(MATTE_ATTRIBUTES);
+    own.other.retain(|name, _| !OF_NOISE.contains(&decoded(name).as_str()) && !is_of_mattes(&decoded(name)));
     let before = match own.other.get(&text(BIASES)).and_then(Attribute::of_exr) {
         Some(Attribute::Text(before)) => format!("{before}, "),
         _ => String::new(),
