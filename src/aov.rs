@@ -8,7 +8,7 @@ use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
 use crate::data::CHANNELS;
-pub use mattes::{MatteKind, MatteValue, id_of};
+pub use mattes::{MATTE_ATTRIBUTES, MatteKind, MatteValue, id_of};
 
 /// The group of the background.
 pub const BACKGROUND: &str = "background";

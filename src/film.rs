@@ -56,7 +56,8 @@ const MAX_EXPONENT: i32 = 300;
 /// one sign is still the same in any order), and the variance is unknown. So the device's unit should be about the radiance of the brightest
 /// thing that is often seen.
 ///
-/// Memory: 160 bytes a pixel, and 16 more for each sum of further channels and of splats: 144 in all with light paths.
+/// Memory: 160 bytes a pixel, 16 more for each sum of further channels and of splats (144 in all with light paths), and 132 for each kind of
+/// matte.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     /// Scene radiance is the film's radiance times 2 to this exponent.

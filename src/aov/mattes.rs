@@ -21,6 +21,8 @@ pub enum MatteKind {
 const RANKS: usize = 6;
 /// Channels of a kind: an id and a share for each rank.
 const OF_KIND: usize = 2 * RANKS;
+/// How the names of the attributes of mattes begin.
+pub const MATTE_ATTRIBUTES: &str = "cryptomatte/";
 /// The layer with the samples that no matte has.
 const LOST: &str = "crypto_lost";
 
@@ -115,7 +117,7 @@ impl Aovs {
                 names.iter().map(|name| (name.as_str(), format!("{:08x}", id_of(name)))).collect();
             let manifest = Value::from_iter(ids.into_iter().map(|(name, id)| (name, Value::from(id)))).to_string();
             let key = format!("{:08x}", hash_of(&layer));
-            let attribute = |(name, value)| (format!("cryptomatte/{}/{name}", &key[..7]), value);
+            let attribute = |(name, value)| (format!("{MATTE_ATTRIBUTES}{}/{name}", &key[..7]), value);
             let conversion = "uint32_to_float32".to_owned();
             let all = [("name", layer), ("hash", "MurmurHash3_32".to_owned()), ("conversion", conversion)];
             all.into_iter().chain([("manifest", manifest)]).map(attribute).collect::<Vec<_>>()

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use super::console::{command_line, object, path_text, print_json, tell};
 use super::outputs::{EXR, check_name, check_outputs};
 use super::render::{Finish, attributes_of, error_words, excluded, matte_warning, noise_words, reliability_warnings};
+use crate::aov::MATTE_ATTRIBUTES;
 use crate::cli::{relative_error, sample_range};
 use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};
@@ -85,7 +86,7 @@ pub fn run(args: &MergeArgs) -> Result<()> {
     // Also values that the joined image lacks, and that have no attribute.
     let is_of_one_part = |name: &str| name.starts_with("seconds_") || name.starts_with("noise");
     attributes.retain(|(name, _)| {
-        name.starts_with("cryptomatte/")
+        name.starts_with(MATTE_ATTRIBUTES)
             || name.strip_prefix("gpu-rt:").is_some_and(|name| !record.contains_key(name) && !is_of_one_part(name))
     });
     attributes.extend(attributes_of(&record));

@@ -2,11 +2,11 @@
 
 use gpu_rt::aov::{Aovs, id_of};
 use gpu_rt::film::Film;
+use gpu_rt::job::{Goal, Job};
 use gpu_rt::options::{Filter, Scatter};
 
-use crate::common::render::{Request, Shot, render, scene};
-use crate::common::render::{render_job, render_onto};
-use gpu_rt::job::{Goal, Job};
+use crate::common::kernel::Overlay;
+use crate::common::render::{Request, Shot, render, render_job, render_onto, render_planted, scene};
 
 fn with_mattes(request: Request) -> Request {
     request.with(|options| options.aov.set(Aovs::parse("cryptomatte").expect("it is a name")))
@@ -109,6 +109,19 @@ fn two_objects_that_meet_in_a_pixel_add_up_to_1() {
         assert!(!agree(&left, &share_of_left(filter, EDGE + 0.1), 4096.0), "{filter:?}");
         assert_eq!(film.matte_pixels_lost(), Some(0));
     }
+}
+
+/// Samples that are not finite have their share of the mattes: seven of ten are not here.
+#[test]
+fn samples_that_the_film_rejects_count() {
+    let infinite = "hit.colour + vec3<f32>(bitcast<f32>(select(0u, 0x7f800000u, u.x < 0.7)))";
+    let planted = Overlay::new(&[("material/lambertian", "hit.colour", infinite)]);
+    let film = render_planted(&scene(&two_quads()), &with_mattes(Request::spp(1024)), &planted).film;
+    let rejected = film.totals.rejected.total() as f64 / film.totals.paths as f64;
+    assert!((0.65..0.75).contains(&rejected), "{rejected}");
+    let (left, right) = (shares(&film, "CryptoObject", "left"), shares(&film, "CryptoObject", "right"));
+    assert!(left.iter().zip(&right).all(|(left, right)| (left + right - 1.0).abs() < 1e-6));
+    assert!(agree(&left, &share_of_left(Filter::Box, EDGE), 1024.0), "{left:?}");
 }
 
 /// Lamps of radiance 1 before a black background: a pixel's light is the share of its samples that see one, through any lens and in motion, and

@@ -3,6 +3,7 @@
 use crate::aov::channels;
 use crate::common::device::index as software;
 use crate::common::gltf::{glb, moving};
+use crate::common::oidn;
 use crate::sandbox::{SPHERE, Sandbox, attribute};
 use serde_json::{Value, json};
 
@@ -150,4 +151,18 @@ fn lost_names_are_said_and_a_filter_with_negative_weights_is_refused() {
     let says = ["--filter mitchell: --aov cryptomatte counts samples", "use --filter gauss, tent or box"];
     render(&sandbox, &format!("{view} --filter mitchell -o d.exr")).exits(2).on_stderr(&says);
     assert!(!sandbox.at("d.exr").exists());
+}
+
+/// A denoised image is the picture alone, and names no mattes.
+#[test]
+fn a_denoised_image_names_no_mattes() {
+    let sandbox = Sandbox::new();
+    sandbox.scene("sphere.ron", &balls(&[("a", "grey"), ("b", "red")]));
+    render(&sandbox, "--spp 8 --aov cryptomatte -o a.exr").exits(0);
+    let folder = oidn::folder();
+    let line = ["denoise", "a.exr", "-o", "b.exr", "--oidn", folder.to_str().expect("UTF-8")];
+    sandbox.run(&line).exits(0);
+    let named =
+        |file: &str| sandbox.exr(file).attributes.iter().filter(|(name, _)| name.starts_with("cryptomatte/")).count();
+    assert_eq!((named("a.exr"), named("b.exr")), (8, 0));
 }

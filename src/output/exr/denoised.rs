@@ -15,6 +15,7 @@ use super::read::{
     attributes_of, find_rgb, float, light_layers, note_of_colours, open, read_channels, read_layer, triple,
 };
 use super::write::{OF_PICTURE, sort_attributes};
+use crate::aov::MATTE_ATTRIBUTES;
 use crate::chromaticities::{REC_709, to_rec_709};
 use crate::data::{CHANNELS, Rgb};
 use crate::denoise::Noisy;
@@ -50,9 +51,9 @@ const OF_NOISE: [&str; 7] = [
 ];
 const COMMENTS: &str = "R, G, B: linear radiance, denoised. Denoising biases the result, and its error is not known.";
 
-/// Whether an attribute is true of an image with another error, too.
+/// Whether an attribute is true of the image by itself, with another error and without mattes.
 pub fn of_image_alone(name: &str) -> bool {
-    !OF_NOISE.contains(&name)
+    !OF_NOISE.contains(&name) && !name.starts_with(MATTE_ATTRIBUTES)
 }
 
 impl NoisyFile {
