@@ -2,7 +2,7 @@
 // changes the numbers of another. Each bounce has DIMENSION_BLOCKS_PER_BOUNCE consecutive blocks, from DIMENSION_FIRST_BOUNCE on.
 
 const DIMENSION_CAMERA: u32 = 0u; // two for the point in the pixel, two for the point on the lens
-const DIMENSION_TIME: u32 = 0x7fffffffu; // one for the time, and one for the channel that dispersion follows, behind all bounces
+const DIMENSION_TIME: u32 = 0x7fffffffu; // one for the time, behind all bounces
 const DIMENSION_FIRST_BOUNCE: u32 = 1u;
 const DIMENSION_BLOCKS_PER_BOUNCE: u32 = 4u;
 
@@ -17,6 +17,9 @@ const DIMENSION_ROULETTE: u32 = 3u;
 const DIMENSION_EMISSION: u32 = 0x80000000u; // the light, the bound that it is aimed at, and two for the point
 const DIMENSION_EMITTED_DIRECTION: u32 = 0xc0000000u; // two for the direction
 const FIRST_LIGHT_EVENT: u32 = 0x20000000u;
+
+// The samples that dispersion lets follow the channel c have blocks of their own: the bits above this one hold c + 1. No path has 2^27 events.
+const DIMENSION_CHANNEL_BIT: u32 = 29u;
 
 fn bounce_dimension(event: u32, block: u32) -> u32 {
     return DIMENSION_FIRST_BOUNCE + event * DIMENSION_BLOCKS_PER_BOUNCE + block;

@@ -1,4 +1,3 @@
-//@ use bind/settings
 //@ use choice/evaluation
 //@ use choice/followed_channel
 //@ use choice/light_absorption
@@ -7,7 +6,6 @@
 //@ use choice/one_sided
 //@ use choice/both_sides
 //@ use choice/roulette
-//@ use choice/sampler
 //@ use choice/tint
 //@ use geometry/offset
 //@ use scene/at_run_time
@@ -149,7 +147,7 @@ fn scatter_light_path(path: ptr<function, Path>) {
     let cos_light = abs(dot(to_light, surface.normal));
     let view = view_of_event(path, surface.point);
     let event = LightEvent(hit, surface, frame, evaluated, view, to_light, cos_light, is_first, is_rough);
-    let u = random4((*path).pixel, (*path).sample, bounce_dimension((*path).depth, DIMENSION_SCATTER), settings.seed);
+    let u = scatter_random(path, evaluated);
     let orders = orders_of_event(event, u);
     let drawn = orders.drawn;
     if !is_first && is_rough && orders.of_lens.is_kept {

@@ -1,6 +1,5 @@
 //@ implements scatter when surface
 //@ use bind/settings
-//@ use choice/sampler
 //@ use choice/mix
 //@ use choice/evaluation
 //@ use choice/followed_channel
@@ -33,8 +32,7 @@ fn scatter_path(path: ptr<function, Path>) {
     (*path).throughput = absorb_behind((*path).throughput, surface, frame.front);
 
     // The BSDF sample.
-    let depth = (*path).depth;
-    let u = random4((*path).pixel, (*path).sample, bounce_dimension(depth, DIMENSION_SCATTER), settings.seed);
+    let u = scatter_random(path, evaluated);
     let drawn = scatter_by_material(evaluated.material, interaction, u);
     let bsdf = keep_side(drawn, interaction.normal, frame.shading);
     record_surface(path, evaluated, bsdf, interaction.normal);

@@ -91,7 +91,7 @@ fn follow(text: &str, planted: Option<Fault<'_>>, faults: &[Fault<'_>]) -> (Foll
         (
             "step/scatter",
             "scatter_by_material(evaluated.material, interaction, u);",
-            "follow_recorded(scatter_by_material(evaluated.material, interaction, u), evaluated.material, interaction, depth == 0u);",
+            "follow_recorded(scatter_by_material(evaluated.material, interaction, u), evaluated.material, interaction, (*path).depth == 0u);",
         ),
         ("light_path/emission", "//@ use scene/lights", "//@ use scene/lights\n//@ use test/recorded_events"),
         (

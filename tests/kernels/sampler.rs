@@ -100,6 +100,100 @@ fn two_dimensions_of_a_half_are_nets() {
     assert!(broken_nets(&planted(FROM_ABOVE)) > 1000);
 }
 
+rows! {
+    struct Eighth {
+        x: u32,
+        y: u32,
+        eighth: u32,
+        of_part: u32,
+    }
+}
+
+/// The eighths from 3 on that the part of the next expression has.
+const PART: [u32; 3] = [3, 4, 5];
+
+/// A block's pair and its eighth, and the sample of the part that has the eighths 3 to 5.
+const EIGHTHS: Expression<'_> = [
+    "choice/sampler",
+    "vec4<u32>",
+    "vec4<u32>",
+    "vec4<u32>(random_words(given.x, given.y, given.z, given.w).xy, random_eighth(given.x, given.y, given.z, given.w),
+        sample_of_part(given.y, random_eighth(given.x, given.y, given.z, given.w), 3u, 3u))",
+];
+
+/// The pairs and eighths of the first 2^10 points of halves, over pixels, blocks and seeds.
+fn eighths(is_sobol: bool, replaced: &[Fault<'_>]) -> Vec<(u32, Vec<Eighth>)> {
+    let run_length = RUN_LENGTH.to_string();
+    let facts = [("sampler.sobol", is_sobol), ("sampler.independent", !is_sobol)];
+    let values = [&values_of(EIGHTHS)[..], &[("run_length", &*run_length)]].concat();
+    let setup = Setup { replaced, values: &values, facts: &facts, ..Setup::default() };
+    let kernel = Kernel::with("test/expression", &setup);
+    let blocks = [(0, 0, 0), (1, 0, 0), (57_599, 1, 0), (12_345, 9, 7), (1 << 30, 201, u32::MAX)];
+    let halves = blocks.into_iter().flat_map(|block| [(block, 0), (block, 1)]);
+    let of_half = |((pixel, dimension, seed), half): ((u32, u32, u32), u32)| {
+        let keys: Vec<[u32; 4]> = (0..1 << 10).map(|i| [pixel, sample_of(half, i), dimension, seed]).collect();
+        (half, kernel.run::<_, Eighth>(&keys))
+    };
+    halves.map(of_half).collect()
+}
+
+/// How many of the aligned blocks of 4^k points do not have one point in each box of 4^-a by 4^-b by 1/4, a + b + 1 = k, and how many of
+/// the aligned blocks of eight do not have one in each eighth.
+fn broken_boxes(is_sobol: bool, replaced: &[Fault<'_>]) -> usize {
+    let quarters = |word: u32, digits: u32| u64::from(word) >> (32 - 2 * digits);
+    let has_one_each = |boxes: &mut dyn Iterator<Item = u64>, count: usize| {
+        let mut found = vec![false; count];
+        boxes.for_each(|at| found[at as usize] = true);
+        found.iter().all(|found| *found)
+    };
+    let mut broken = 0;
+    for (_, points) in eighths(is_sobol, replaced) {
+        for k in 1..=5 {
+            for points in points.chunks(1 << (2 * k)) {
+                let is_broken = |a: &u32| {
+                    let b = k - 1 - a;
+                    let at =
+                        |p: &Eighth| (quarters(p.x, *a) << (2 * b) | quarters(p.y, b)) << 2 | u64::from(p.eighth >> 1);
+                    !has_one_each(&mut points.iter().map(at), points.len())
+                };
+                broken += (0..k).filter(is_broken).count();
+            }
+        }
+        broken += points.chunks(8).filter(|p| !has_one_each(&mut p.iter().map(|p| p.eighth.into()), 8)).count();
+    }
+    broken
+}
+
+/// In base 4 the number of the eighth makes a (0,3)-sequence with its pair: an exact property, without a false alarm.
+#[test]
+fn a_fifth_number_is_stratified_together_with_the_first_pair() {
+    assert_eq!(broken_boxes(true, &[]), 0);
+    assert!(broken_boxes(false, &[]) > 1000);
+    // The planted errors: a pair of bits that is not multiplied, and an order of its own, which padding gives.
+    let [unturned, padded] = [("v ^= times_generator((v >> 2u)", "v ^= ((v >> 2u)"), ("seeds).x)", "seeds).y)")]
+        .map(|(right, wrong)| broken_boxes(true, &[("sampler/sobol", right, wrong)]));
+    println!("{unturned} of one that is not multiplied, {padded} of an order of its own");
+    assert!(unturned > 100 && padded > 1000);
+}
+
+/// A part of the samples of a half has an order without gaps of its own: of 8 n samples, those with three of the eighths are its first 3 n.
+#[test]
+fn a_part_of_the_samples_has_an_order_of_its_own() {
+    for (half, points) in eighths(true, &[]) {
+        for count in [8, 64, 1024] {
+            let part = points[..count].iter().filter(|point| PART.contains(&point.eighth));
+            let mut found: Vec<u32> = part.map(|point| point.of_part).collect();
+            found.sort_unstable();
+            let expected: Vec<u32> = (0..count as u32 / 8 * 3).map(|index| sample_of(half, index)).collect();
+            assert_eq!(found, expected);
+        }
+    }
+    // Independent numbers stay those of their samples.
+    for (half, points) in eighths(false, &[]) {
+        assert!(points.iter().zip(0..).all(|(point, index)| point.of_part == sample_of(half, index)));
+    }
+}
+
 #[test]
 fn uniforms_are_the_upper_bits_of_the_words() {
     let keys: Vec<[u32; 4]> = (0..4096).map(|i| [i % 7, i, i % 13, 5]).collect();
