@@ -87,7 +87,7 @@ declare! {
             @default absorption: Option<Colour> = colour(Range::from_to(0.0, MOST_ABSORPTION)).or("none: it is clear");
             /// How much the index of refraction depends on the colour: 20 over the Abbe number, as glTF has it; 0.36 for common glass, 0.8 for
             /// flint. Red, green and blue have an index each, (ior - 1) / 40 of this apart. Light that it bends is followed in one of the
-            /// three channels, with three times its weight, which is noisier. The index must be at least 1.
+            /// three channels, with about three times its weight, which is noisier. The index must be at least 1.
             @default dispersion: f64 = number(Range::from_to(0.0, MOST_DISPERSION), NO_UNIT).or("0");
         }
         /// A lamp: it emits the same radiance in all directions, and reflects nothing.
