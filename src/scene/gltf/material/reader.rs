@@ -207,6 +207,7 @@ impl<'a> Reader<'a> {
         let mut pbr = Pbr {
             base_color: texture(of_base, base, None),
             emission: Some(light.clone()).filter(|light| light.plain() != Some(Colour::ZERO)),
+            light_group: light_group(&given.extras),
             alpha,
             alpha_cutoff: alpha_cutoff.filter(|_| !is_opaque),
             vertex_colors: of_vertices.colors,
