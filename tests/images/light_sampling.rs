@@ -35,7 +35,7 @@ pub const LOBES: Room = Room {
     brighter: 1.02,
     materials: r#"
         "varnish": Pbr(base_color: Rgb(0.7, 0.6, 0.5), metallic: 0, roughness: 0.7, coat: 1, coat_roughness: 0.4, coat_ior: 3),
-        "velvet": Pbr(base_color: Rgb(0.3, 0.2, 0.6), metallic: 0.2, roughness: 0.6, sheen: Rgb(0.9, 0.6, 0.3), sheen_roughness: 1),
+        "velvet": Pbr(base_color: Rgb(0.3, 0.2, 0.6), metallic: 0.2, roughness: 0.6, sheen: Rgb(0.9, 0.6, 0.9), sheen_roughness: 1),
         "brushed": Conductor(albedo: Rgb(0.9, 0.6, 0.3), roughness: 0.4, anisotropy: 0.8, anisotropy_rotation: 30),
         "half": Pbr(base_color: Rgb(0.5, 0.8, 0.9), metallic: 0, roughness: 0.5, transmission: 0.6, solid: true, absorption: (0.1, 0.2, 0.3)),
         "pane": Pbr(base_color: Rgb(0.9, 0.8, 0.5), metallic: 0, roughness: 0.6, transmission: 0.5, anisotropy: 0.5),
