@@ -25,7 +25,7 @@ fn half_of_sample(sample: u32) -> u32 {
 }
 
 fn index_in_half(sample: u32) -> u32 {
-    return (sample / RUN_LENGTH >> 1u) * RUN_LENGTH + sample % RUN_LENGTH;
+    return ((sample / RUN_LENGTH) >> 1u) * RUN_LENGTH + sample % RUN_LENGTH;
 }
 
 fn seeds_of_block(pixel: u32, sample: u32, dimension: u32, seed: u32) -> vec4<u32> {
