@@ -19,14 +19,14 @@ import OpenEXR
 REPOSITORY = Path(__file__).resolve().parent.parent
 WIDTH, HEIGHT = 192, 108
 TILES_X, TILES_Y = 4, 2
-# Renders with their own seeds: how many samples, how many renders. The first kind are the pilots, too.
+# How many renders with so many samples, each with a seed of its own. Those of 16 samples are the pilots, too.
 RENDERS = {16: 8, 64: 2, 256: 1}
 REQUESTS = (64, 512)
 PILOT = 16
+LUMINANCE = [0.2126, 0.7152, 0.0722]
 
 SKY = 'Gradient(bottom: (1, 1, 1), top: (0.5, 0.7, 1))'
 KNOT = f'Transformed(by: [Scale(0.4)], object: Mesh(path: "{REPOSITORY}/scenes/meshes/knot.ply", material: "body"))'
-AMPHORA = f'Mesh(path: "{REPOSITORY}/scenes/meshes/amphora.obj", material: "body")'
 TABLE = 'Box(min: (-3, -0.4, -2), max: (3, 0, 2), material: "table")'
 LAMP = 'Quad(corner: (-1, 5, 2), u: (0, 0, -2), v: (2, 0, 0), material: "lamp")'
 
@@ -104,7 +104,7 @@ def smooth(values, radius):
 
 def counts(mean, variance, pairs, least, radius):
     """Pairs of runs of each pixel: in steps of powers of two, `pairs` on the mean."""
-    luminance = mean @ [0.2126, 0.7152, 0.0722]
+    luminance = mean @ LUMINANCE
     noise = (variance / (mean**2 + 0.01 * luminance.mean() ** 2)).sum(-1)
     deviation = np.sqrt(smooth(noise, radius))
     exponent = np.log2(np.maximum(deviation, 1e-9 * deviation.max() + 1e-30))
@@ -145,7 +145,7 @@ def errors(variances):
     def error(n):
         at = np.log(n)[..., None]
         values = np.empty(logs[points[0]].shape)
-        for (a, b) in zip(points, points[1:]):
+        for a, b in zip(points, points[1:]):
             within = (n >= a) & ((n < b) | (b == points[-1]))
             slope = np.clip((logs[b] - logs[a]) / np.log(b / a), -3, 0)
             values[within] = (logs[a] + slope * (at - np.log(a)))[within]
@@ -175,7 +175,7 @@ def prepare(program, source, folder):
                 pilots.append((image(""), image("variance.")))
         variances[samples] = np.mean(squares, 0)
     mean = sum(m * n for m, n in means) / sum(n for _, n in means)
-    return {"mean": mean, "luminance": (mean @ [0.2126, 0.7152, 0.0722]).mean(), "error": errors(variances), "pilots": pilots[:4], "variances": variances}
+    return {"mean": mean, "luminance": (mean @ LUMINANCE).mean(), "error": errors(variances), "pilots": pilots[:4], "variances": variances}
 
 
 def main():

@@ -327,9 +327,6 @@ impl Aovs {
     /// The channels of an image file.
     pub fn channels(&self) -> Vec<Channel> {
         let of_aov = |aov: &Aov| {
-            if *aov == Aov::Lights {
-                return self.channels_of_lights();
-            }
             let (layer, components) = self.layer(*aov);
             let name = move |component: &&str| match layer {
                 "" => (*component).to_string(),
@@ -338,20 +335,16 @@ impl Aovs {
             let channel = |(component, name): (usize, String)| Channel { aov: *aov, component, name };
             components.iter().map(name).enumerate().map(channel).collect::<Vec<_>>()
         };
-        self.list.iter().flat_map(of_aov).chain(self.matte_channels()).collect()
+        self.list.iter().flat_map(of_aov).chain(self.light_channels()).chain(self.matte_channels()).collect()
     }
 
-    fn channels_of_lights(&self) -> Vec<Channel> {
-        let rest = REST.to_string();
-        let groups = self.groups.iter().chain([&rest]);
-        let names =
-            groups.flat_map(|group| CHANNELS.map(|channel| format!("{}.{channel}", self.layer_of_light(group))));
-        names.enumerate().map(|(component, name)| Channel { aov: Aov::Lights, component, name }).collect()
-    }
-
-    /// The layer of a group of lights in a file.
-    fn layer_of_light(&self, group: &str) -> String {
-        format!("{}{group}", LIGHT_LAYERS[self.names as usize])
+    /// The channels of groups of lights in an image file, and those of the rest.
+    fn light_channels(&self) -> impl Iterator<Item = Channel> {
+        let before = LIGHT_LAYERS[self.names as usize];
+        let rest = self.has(Aov::Lights).then_some(REST);
+        let groups = self.groups.iter().map(String::as_str).chain(rest);
+        let names = groups.flat_map(move |group| CHANNELS.map(|channel| format!("{before}{group}.{channel}")));
+        names.enumerate().map(|(component, name)| Channel { aov: Aov::Lights, component, name })
     }
 
     /// The layer of a channel, and its components.
@@ -385,10 +378,8 @@ impl Aovs {
             (_, Aov::Uv0) => ("uv0", &["U", "V"]),
             (_, Aov::Face0) => ("face0", &["Y"]),
             (_, Aov::Offset0) => ("offset0", &["X", "Y"]),
-            // Their layers are those of the groups.
-            (_, Aov::Lights) => ("light", &CHANNELS),
             // They have several layers.
-            (_, Aov::Cryptomatte | Aov::Cryptoasset) => ("", &[]),
+            (_, Aov::Lights | Aov::Cryptomatte | Aov::Cryptoasset) => ("", &[]),
         }
     }
 }

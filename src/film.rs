@@ -27,7 +27,7 @@ use crate::options::Word;
 pub use accumulation::{Accumulation, add_devices};
 pub use bound::Bound;
 pub use channels::{MotionOf, device_bytes, record_bytes};
-pub use error::ErrorEstimate;
+pub use error::{ErrorEstimate, relative_error};
 pub use totals::{HiddenLight, Rejected, Totals};
 pub use verdict::Verdict;
 pub use words::{sample_variance_of, word_names};

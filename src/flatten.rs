@@ -122,7 +122,7 @@ pub fn flatten_with(
         SceneSpace { eye: camera.look_from, axes: view.to_space.rotation.transpose(), exponent: length_exponent };
     let mut flat =
         DeviceScene { features, radiance_exponent, brightest: of_paths, space: to_scene, ..DeviceScene::default() };
-    flat.light_groups = light_groups::names(scene);
+    flat.light_groups = if options.aov.has(Aov::Lights) { light_groups::names(scene) } else { Vec::new() };
     mattes::add(&mut flat, scene, &options.aov, &finder.primitives);
     flat.warnings.extend(without_light(scene, brightest));
     flat.warnings.extend(without_direction(scene, &view));

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use crate::data::{Rgb, luminance};
+use crate::data::Rgb;
 use crate::error::{Error, Result};
-use crate::film::{Picture, UNKNOWN_VARIANCE};
+use crate::film::{Picture, UNKNOWN_VARIANCE, relative_error};
 use crate::output::exr::{
     Attribute, StateFile, light_layers, of_image_alone, read_attributes, read_exr, read_layer, write_exr,
 };
@@ -109,18 +109,6 @@ fn variances(path: &Path, factors: &Factors) -> Result<Option<Vec<Option<Rgb<f64
     let film = &film.film;
     let pixels = film.width() as usize * film.height() as usize;
     Ok(Some((0..pixels).map(|index| film.variance_of_mix(index, &factors)).collect()))
-}
-
-/// As [`crate::film::Film::relative_error`] has it, of the mix. `None` if it has no light, or a pixel without a variance.
-fn relative_error(rgb: &[Rgb<f64>], variances: &[Option<Rgb<f64>>]) -> Option<f64> {
-    let mean = rgb.iter().map(|rgb| luminance(*rgb)).sum::<f64>() / rgb.len() as f64;
-    let floor = 0.01 * mean * mean;
-    let mut total = 0.0;
-    for (rgb, variance) in rgb.iter().zip(variances) {
-        let variance = (*variance)?;
-        total += (0..3).map(|c| variance[c] / (rgb[c] * rgb[c] + floor)).sum::<f64>() / 3.0;
-    }
-    (mean != 0.0).then(|| (total / rgb.len() as f64).sqrt())
 }
 
 /// Writes a mix as an EXR, with the header of the file that it is of. It has no state.

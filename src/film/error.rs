@@ -148,6 +148,17 @@ pub(super) fn weighted(variance: Rgb<f64>, weight: Rgb<f64>) -> f64 {
     (variance[0] * weight[0] + variance[1] * weight[1] + variance[2] * weight[2]) / 3.0
 }
 
+/// [`Film::relative_error`] of an image whose pixels have these variances of their means. `None` if it has no light, or a pixel without a variance.
+pub fn relative_error(rgb: &[Rgb<f64>], variances: &[Option<Rgb<f64>>]) -> Option<f64> {
+    let mean = rgb.iter().map(|rgb| luminance(*rgb)).sum::<f64>() / rgb.len() as f64;
+    let floor = DARK_PIXEL_FLOOR * mean * mean;
+    let mut total = 0.0;
+    for (rgb, variance) in rgb.iter().zip(variances) {
+        total += weighted((*variance)?, rgb.map(|mean| 1.0 / (mean * mean + floor)));
+    }
+    (mean != 0.0).then(|| (total / rgb.len() as f64).sqrt())
+}
+
 /// The squared relative errors of pixels ([`Film::error_estimate`]), summed.
 #[derive(Clone, Debug, Default)]
 struct NoiseSum {

@@ -3,10 +3,8 @@
 use super::Film;
 use super::estimate::mean;
 use super::floats::exp2;
+use super::values::ROUNDING;
 use crate::data::Rgb;
-
-/// Light without a group below this share of a pixel's radiance is 0: it is the rounding of sums in f32.
-const ROUNDING: f64 = 1.0 / (1 << 20) as f64;
 
 /// The sums of some light of a pixel: of even and of odd runs, and of their light paths.
 type Light = [Rgb<i128>; 4];

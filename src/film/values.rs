@@ -8,9 +8,9 @@ use crate::aov::{Aov, Channel, ChannelNames, Sum};
 
 /// The depth of a pixel whose rays all miss: beyond everything. The motion of what leaves the view.
 const UNKNOWN: f32 = f32::MAX;
-/// Indirect radiance below this share of a pixel's radiance is written as 0. It is the rounding of f32: a run's sum is rounded by 2^-24, and
+/// A rest below this share of a pixel's radiance, such as the indirect radiance, is written as 0. It is the rounding of f32: a run's sum is rounded by 2^-24, and
 /// so is each of the few contributions to a sample.
-const ROUNDING: f64 = 1.0 / (1 << 20) as f64;
+pub(super) const ROUNDING: f64 = 1.0 / (1 << 20) as f64;
 
 impl Film {
     /// The word of a channel's value for a pixel: a number of faces, or the bits of [`Film::channel`].

@@ -55,7 +55,7 @@ pub struct DeviceScene {
     pub material_names: Vec<String>,
     /// With `--aov object`: the names of the primitives, in the order of their numbers.
     pub object_names: Vec<String>,
-    /// The groups of lights, in order.
+    /// With `--aov lights`: the groups of lights, in order.
     pub light_groups: Vec<String>,
     /// The number of the group of each light without size, then of each row of `materials`; [`NO_GROUP`] where there is none.
     pub groups_of_lights: Vec<u32>,
@@ -117,6 +117,9 @@ impl DeviceScene {
 
     /// Adds the groups of the rows of materials behind those of lights without size.
     pub(super) fn add_groups_of_materials(&mut self, scene: &Scene) {
+        if self.light_groups.is_empty() {
+            return;
+        }
         self.features.quantities.delta_lights = self.delta_lights.len() as u32;
         let groups: HashMap<&str, u32> = { scene.materials.iter() }
             .map(|(name, material)| (name.as_str(), self.group_of(material.light_group())))

@@ -163,6 +163,10 @@ fn develop_mixes_lights() {
     assert!(close(&mix.rgb, &expected) && !close(&mix.rgb, &sandbox.exr("all.exr").rgb));
     assert!(mix.attributes.iter().all(|(name, _)| name != "gpu-rt:relative_error_bound"), "{:?}", mix.attributes);
     assert_eq!(attribute(&mix, "gpu-rt:lights"), "key light=0:0:0,background=0.5:1:2,rest=3:3:3");
+    // Groups of another program that do not add up to the image are no mix.
+    let of_all = ["R", "G", "B", "Combined_key.R", "Combined_key.G", "Combined_key.B"];
+    write(&sandbox, "others.exr", &of_all.map(|name| (name, FlatSamples::F32(vec![1.0; 4]))), (0, 0));
+    sandbox.says("develop others.exr -o b.png --lights key=1").exits(2).on_stderr(&["no lights apart"]);
     sandbox.says("merge mix.exr all.exr -o no.exr").exits(2).on_stderr(&["mix.exr"]);
     // The names of Blender's passes; without a state there is no error.
     render("--spp 16 -o blender.exr --aov-names blender --no-state");

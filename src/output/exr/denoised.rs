@@ -110,8 +110,8 @@ fn layer(header: &Header, names: &[&str]) -> Option<Rgb<String>> {
     names.iter().find_map(of_name)
 }
 
-/// Writes the denoised picture of a file: red, green and blue, and the layers of groups of lights, with the header of the file as far as it is still true, and with what has
-/// denoised it. It has neither variance nor state, so that nothing takes it for a render.
+/// Writes the denoised picture of a file: red, green and blue, and the layers of groups of lights. The header is that of the file as far as it is still
+/// true, with the denoiser's name. It has neither variance nor state, so that nothing takes it for a render.
 pub fn write_denoised(
     path: &Path,
     noisy: &NoisyFile,

@@ -12,7 +12,7 @@ use ::exr::meta::header::Header;
 use ::exr::prelude::f16;
 
 use super::attribute::{Attribute, DENOISER, REJECTED, SAMPLES, VARIANCES, decoded};
-use crate::aov::group_of_layer;
+use crate::aov::{REST, group_of_layer};
 use crate::chromaticities::{Conversion, to_rec_709};
 use crate::data::{CHANNELS, Rgb};
 use crate::error::{Error, Result};
@@ -127,7 +127,8 @@ pub fn read_layer(path: &Path, layer: &str) -> Result<ExrImage> {
     Ok(ExrImage { variance: None, ..image })
 }
 
-/// The groups of lights whose light the file has apart, and the names of their layers, in the order of the names.
+/// The groups of lights whose light the file has apart, and the names of their layers, in the order of the names. Nothing without a layer of the rest, as
+/// in files of other programs: the groups do not add up to the image there.
 pub fn light_layers(path: &Path) -> Result<Vec<(String, String)>> {
     let opened = open(path).map_err(Error::file(path, "read"))?;
     let of_part = |part: &Header| {
@@ -140,7 +141,8 @@ pub fn light_layers(path: &Path) -> Result<Vec<(String, String)>> {
         };
         part.channels.list.iter().filter_map(light).collect::<Vec<_>>()
     };
-    Ok(opened.headers().first().map_or(Vec::new(), of_part))
+    let found = opened.headers().first().map_or(Vec::new(), of_part);
+    Ok(if found.iter().any(|(group, _)| group == REST) { found } else { Vec::new() })
 }
 
 fn read_rgb(
