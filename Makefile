@@ -221,6 +221,7 @@ gpu-kit: toolchain
 		cp "$$($(CARGO) test --release --no-run --test $$name 2>&1 | sed -n 's/.*(\(target[^)]*\))$$/\1/p')" target/gpu-kit/$$name || exit 1; \
 	done
 	cp "$$($(CARGO) bench --no-run --bench gpu 2>&1 | sed -n 's/.*(\(target[^)]*\))$$/\1/p')" target/gpu-kit/gpu
+	cd target/gpu-kit && gzip gpu-rt kernels images gpu
 	@bytes=$$(du -sb target/gpu-kit | cut -f1); [ "$$bytes" -lt 67108864 ] || { echo "error: target/gpu-kit has $$bytes bytes" >&2; exit 1; }
 
 lint: toolchain
