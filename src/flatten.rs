@@ -64,7 +64,7 @@ pub use crate::material::MATERIALS;
 pub use crate::texture::TEXTURES;
 pub use device_scene::DeviceScene;
 pub use features::{
-    BACKGROUNDS, BOUNDARIES, DECLARED, Declared, EVERY_FEATURE, Features, NotSampled, PRIMITIVES, Quantities,
+    BACKGROUNDS, BOUNDARIES, DECLARED, Declared, EVERY_FEATURE, FIELDS, Features, NotSampled, PRIMITIVES, Quantities,
 };
 pub use hierarchies::Hierarchies;
 pub use neighbours::Neighbours;
@@ -111,7 +111,8 @@ pub fn flatten_with(
     let extent = extent(view.eye, view.lens_radius(), &finder);
     let reflection = brightest_reflection(&finder, view.eye, extent);
     let emissions = emissions(scene, &finder, &models, &used);
-    let [brightest, of_paths] = brightest(scene, &emissions).map(|radiance| radiance.max(reflection));
+    let of_media = finder.media.iter().map(WorldMedium::brightest).fold(reflection, f64::max);
+    let [brightest, of_paths] = brightest(scene, &emissions).map(|radiance| radiance.max(of_media));
     let search = Search::new(scene, &finder, &view, extent, brightest > 0.0, &emissions);
     let length_exponent = binary_exponent(extent);
     let space = RenderSpace { eye: view.eye, scale: exp2(-length_exponent) };
@@ -147,6 +148,8 @@ pub fn flatten_with(
         shows_emission: emissions.iter().map(Emitted::is_seen).collect(),
         images: HashMap::new(),
         mesh_frames: HashMap::new(),
+        grids: Vec::new(),
+        heat: None,
         motions: None,
         flat,
     };
@@ -165,17 +168,19 @@ pub fn flatten_with(
     let not_sampled = if sample_lights { brightest_of_plain_sky(&scene.background) } else { builder.flat.brightest };
     builder.flat.not_sampled = radiance_scale * not_sampled;
     // The warnings are searched for while the hierarchies are built.
-    let (warnings, ()) = join(
+    let (warnings, laid_out) = join(
         || diagnostics::warnings(&search),
         || {
             builder.add_primitives(&finder.primitives);
-            builder.add_media(&finder.media);
+            let media = builder.add_media(&finder.media, radiance_scale);
             if sample_lights && builder.flat.features.samples_light_anywhere() {
                 builder.add_lights(&finder.primitives, &finder.lights, radiance_scale);
             }
             builder.flat.motions = builder.motions.take().map(Motions::into_rows).unwrap_or_default();
+            media
         },
     );
+    laid_out?;
     let mut flat = builder.flat;
     flat.add_groups_of_materials(scene);
     check_tables(scene, &flat)?;
@@ -354,6 +359,15 @@ fn require_medium(features: &mut Features, scene: &Scene, medium: &WorldMedium<'
     if let Some(texture) = medium.albedo.shader_number() {
         features.require(format!("texture.{}", TEXTURES[texture]), at_object);
         features.require("textured_medium", at_object);
+    }
+    if let Some(varying) = medium.varying {
+        features.require(varying.fact(), at_object);
+    }
+    if let Some(emission) = medium.emission {
+        features.require("medium_emission", at_object);
+        if emission.grid().is_some() {
+            features.require("blackbody", at_object);
+        }
     }
 }
 

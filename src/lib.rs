@@ -101,6 +101,7 @@ mod texture;
 mod threads;
 #[doc(hidden)]
 pub mod tradeoff;
+mod volume;
 
 pub use error::{Error, Location, Result};
 pub use film::Picture;

@@ -21,3 +21,15 @@ const WALK_CUT: f32 = -2.0;
 // The most steps that all walks through meshes along one ray may take, over all media, where loops have a limit (stage/bounce).
 const STEPS_OF_CROSSINGS: u32 = 8000u;
 const NO_MEDIUM: u32 = 0xffffffffu;
+
+// A crossing of a ray with a closed mesh.
+struct Crossing {
+    t: f32,
+    // The face's index. Crossings at the same distance are ordered by it.
+    face: u32,
+    // The winding number of the mesh on the part of the ray before the crossing; 0 is outside.
+    winding: i32,
+}
+
+// The start of a walk through a mesh: before all crossings.
+const AT_ORIGIN: Crossing = Crossing(0.0, 0xffffffffu, 0);

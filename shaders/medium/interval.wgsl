@@ -3,6 +3,11 @@
 // The empty interval: the ray misses the shape, or the shape is behind its origin.
 const NO_INTERVAL: vec2<f32> = vec2<f32>(1.0, 0.0);
 
+// Whether it is neither empty nor one that begins at WALK_CUT.
+fn is_interval(inside: vec2<f32>) -> bool {
+    return inside.x >= 0.0 && inside.x <= inside.y;
+}
+
 // The part of the interval between a line's two crossings that lies in front of the origin. A NaN fails the comparison.
 fn interval_ahead(crossings: vec2<f32>) -> vec2<f32> {
     let interval = vec2<f32>(max(crossings.x, 0.0), crossings.y);

@@ -5,6 +5,8 @@
 //@ use geometry/bounds
 //@ use geometry/instance
 //@ use geometry/slab
+//@ use medium/interval
+//@ use medium/most_steps
 //@ use scene/face_pairs
 //@ relies on loops
 // Media bounded by closed meshes, which a ray may enter and leave any number of times.
@@ -12,18 +14,6 @@
 // The greatest depth of the stack in the BVH of such a mesh.
 const CROSSING_STACK_SIZE: u32 = ${boundary_stack_size}u;
 const CHILDREN: u32 = 15u;
-
-// The most steps of all walks along one ray, in all media (stage/bounce). It is raised if the numerics probe finds no limit on loops.
-override MOST_STEPS_OF_CROSSINGS: u32 = STEPS_OF_CROSSINGS;
-
-// A crossing of a ray with a closed mesh.
-struct Crossing {
-    t: f32,
-    // The face's index. Crossings at the same distance are ordered by it.
-    face: u32,
-    // The winding number of the mesh on the part of the ray before the crossing; 0 is outside.
-    winding: i32,
-}
 
 // The next crossing after `last`, and the winding number on the part of the ray between them. The winding number is a sum over
 // the faces that the ray hits from there to infinity: 1 for each face through which the ray leaves the mesh, and -1 for each
@@ -88,29 +78,46 @@ fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>)
     return next;
 }
 
+// The part of the ray inside the mesh that begins at the last crossing or behind it, up to `limit`; NO_INTERVAL if there is none, and one that
+// begins at WALK_CUT if the walk took too many steps. `here` is the ray in the mesh's space.
+fn interval_in_mesh(here: Ray, root: u32, last: ptr<function, Crossing>, limit: f32, steps: ptr<function, u32>) -> vec2<f32> {
+    // After the last crossing, next_crossing returns the distance VERY_FAR, which ends the loop.
+    while (*last).t < limit {
+        let begin = (*last).t;
+        *last = next_crossing(here, root, *last, steps);
+        if *steps >= MOST_STEPS_OF_CROSSINGS {
+            return vec2<f32>(WALK_CUT);
+        }
+        if (*last).winding != 0 {
+            return vec2<f32>(begin, min((*last).t, limit));
+        }
+    }
+    return NO_INTERVAL;
+}
+
+// The same for the ray in render space.
+fn next_in_mesh(ray: Ray, index: u32, pose: Pose, last: ptr<function, Crossing>, limit: f32, steps: ptr<function, u32>) -> vec2<f32> {
+    let instance = moved_instance(instances[index], pose);
+    return interval_in_mesh(to_mesh(instance, ray), instance.root, last, limit, steps);
+}
+
 // The distance at which the ray has travelled the length `distance` inside the mesh, if that is nearer than `limit`; NO_HIT
 // otherwise, or WALK_CUT if the walk took too many steps.
 fn collision_in_mesh(ray: Ray, index: u32, pose: Pose, distance: f32, limit: f32, steps: ptr<function, u32>) -> f32 {
     let instance = moved_instance(instances[index], pose);
     let here = to_mesh(instance, ray);
     var left = distance;
-    var last = Crossing(0.0, 0xffffffffu, 0);
-    // After the last crossing, next_crossing returns the distance VERY_FAR, which ends the loop.
-    while last.t < limit {
-        let next = next_crossing(here, instance.root, last, steps);
-        if *steps >= MOST_STEPS_OF_CROSSINGS {
-            return WALK_CUT;
+    var last = AT_ORIGIN;
+    var inside = interval_in_mesh(here, instance.root, &last, limit, steps);
+    while is_interval(inside) {
+        let t = inside.x + left;
+        if t < inside.y {
+            return t;
         }
-        if next.winding != 0 {
-            let t = last.t + left;
-            if t < next.t {
-                return select(NO_HIT, t, t < limit);
-            }
-            left -= next.t - last.t;
-        }
-        last = next;
+        left -= inside.y - inside.x;
+        inside = interval_in_mesh(here, instance.root, &last, limit, steps);
     }
-    return NO_HIT;
+    return select(NO_HIT, WALK_CUT, inside.x < 0.0);
 }
 
 // The length that the ray travels inside the mesh up to distance t, or WALK_CUT.
@@ -118,16 +125,13 @@ fn length_in_mesh(ray: Ray, index: u32, pose: Pose, t: f32, steps: ptr<function,
     let instance = moved_instance(instances[index], pose);
     let here = to_mesh(instance, ray);
     var distance = 0.0;
-    var last = Crossing(0.0, 0xffffffffu, 0);
-    while last.t < t {
-        let next = next_crossing(here, instance.root, last, steps);
-        if *steps >= MOST_STEPS_OF_CROSSINGS {
-            return WALK_CUT;
-        }
-        distance += select(0.0, min(next.t, t) - last.t, next.winding != 0);
-        last = next;
+    var last = AT_ORIGIN;
+    var inside = interval_in_mesh(here, instance.root, &last, t, steps);
+    while is_interval(inside) {
+        distance += inside.y - inside.x;
+        inside = interval_in_mesh(here, instance.root, &last, t, steps);
     }
-    return distance;
+    return select(distance, WALK_CUT, inside.x < 0.0);
 }
 
 //@ without
@@ -138,4 +142,8 @@ fn collision_in_mesh(ray: Ray, index: u32, pose: Pose, distance: f32, limit: f32
 
 fn length_in_mesh(ray: Ray, index: u32, pose: Pose, t: f32, steps: ptr<function, u32>) -> f32 {
     return 0.0;
+}
+
+fn next_in_mesh(ray: Ray, index: u32, pose: Pose, last: ptr<function, Crossing>, limit: f32, steps: ptr<function, u32>) -> vec2<f32> {
+    return NO_INTERVAL;
 }

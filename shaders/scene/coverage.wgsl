@@ -1,25 +1,12 @@
-//@ implements coverage when alpha
 //@ use bind/extensions
 //@ use bind/materials
 //@ use scene/extensions
 //@ use scene/surface_random
 //@ use scene/surfaces
 //@ use choice/vertex_alpha
+//@ use choice/walker
 // Cut-out and transparent surfaces. The coverage of a surface is the share of light that it stops; the rest passes straight on. So a ray
 // passes such a surface with the probability 1 - coverage.
-
-// The sample whose ray is walked, and the block of random numbers for that ray.
-struct Walker {
-    pixel: u32,
-    sample: u32,
-    dimension: u32,
-}
-var<private> walker: Walker;
-
-// Sets the sample of the rays that are walked next. `block` is the block of random numbers for such a ray at the path's event.
-fn begin_walk(path: ptr<function, Path>, block: u32) {
-    walker = Walker((*path).pixel, (*path).sample, bounce_dimension((*path).depth, block));
-}
 
 // The share of light that a surface stops at a hit.
 fn coverage_at(hit: Hit, surface: Surface) -> f32 {
@@ -43,9 +30,4 @@ fn is_stopped(hit: Hit, ray: Ray, decision: u32) -> bool {
         return coverage > 0.0;
     }
     return random_of_surface(walker.pixel, walker.sample, walker.dimension, hit, decision) < coverage;
-}
-
-//@ without
-// All surfaces stop all light.
-fn begin_walk(path: ptr<function, Path>, block: u32) {
 }

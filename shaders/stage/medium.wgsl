@@ -23,9 +23,11 @@ fn medium(@builtin(global_invocation_id) id: vec3<u32>) {
     load_sample_of_path(slot, &path);
     begin_time(&path);
     load_radiance(slot, &path);
+    load_direct(slot, &path);
     load_aov_surface(slot, &path);
     cross_media(&path, 0u);
     store_aov_surface(slot, &path);
+    store_direct(slot, &path);
     store_radiance(slot, &path);
     store_shadow_ray(slot, &path);
     store_ray(slot, &path);

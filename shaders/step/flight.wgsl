@@ -1,8 +1,6 @@
 //@ use bind/settings
 //@ use choice/sampler
-//@ use scene/at_run_time
-//@ use medium/free_flight
-//@ use scene/media
+//@ use choice/collision
 // The free flight of a path through the media on its ray.
 
 const MEDIA: u32 = ${media}u;
@@ -18,8 +16,8 @@ struct Collision {
 }
 
 // The first medium uses the sampler's own words, which may be stratified. Each other medium uses a hash of them.
-fn words_of_medium(words: vec4<u32>, medium: u32) -> vec2<u32> {
-    return select(pcg4d(words + medium), words, medium == 0u).xy;
+fn words_of_medium(words: vec4<u32>, medium: u32) -> vec4<u32> {
+    return select(pcg4d(words + medium), words, medium == 0u);
 }
 
 // Each medium samples the optical depth of its own scattering event, and the nearest event is the path's. Where media overlap,
@@ -32,8 +30,7 @@ fn nearest_collision(path: ptr<function, Path>, limit: f32) -> Collision {
     var nearest = Collision(limit, NO_MEDIUM, 0u);
     var steps = MEDIA;
     for (var i = 0u; i < MEDIA; i++) {
-        let depth = optical_depth(words_of_medium(words, i));
-        let t = collision(media[at_run_time(i)], ray, depth, nearest.t, &steps);
+        let t = collision(i, ray, words_of_medium(words, i), nearest.t, &steps);
         if t == WALK_CUT {
             return Collision(WALK_CUT, NO_MEDIUM, steps);
         }

@@ -1,7 +1,7 @@
 //@ implements shadow when light
 //@ use bind/settings
 //@ use choice/sampler
-//@ use choice/coverage
+//@ use choice/walker
 //@ use choice/panes
 //@ use choice/transmittance
 //@ use choice/clamp

@@ -9,6 +9,7 @@
 //@ use choice/light_absorption
 //@ use choice/medium_albedo
 //@ use choice/roulette
+//@ use choice/medium_emission
 //@ use choice/medium_light
 //@ use choice/aov_surface
 // Lets media scatter the path before it reaches its hit.
@@ -35,8 +36,10 @@ fn cross_media(path: ptr<function, Path>, iterations: u32) -> u32 {
     let depth = (*path).depth;
     let medium = media[at_run_time(nearest.medium)];
     let point = ray.origin + nearest.t * ray.direction;
-    let throughput = (*path).throughput * medium_albedo(medium, point);
+    let albedo = medium_albedo(medium, point);
+    let throughput = (*path).throughput * albedo;
     record_medium(path, throughput);
+    add_medium_emission(path, nearest.medium, medium, point, albedo);
     if is_within_depth(depth) && any(throughput != vec3<f32>(0.0)) {
         let u = random4((*path).pixel, (*path).sample, bounce_dimension(depth, DIMENSION_SCATTER), settings.seed);
         let direction = sample_phase(ray.direction, medium.anisotropy, medium.one_minus_anisotropy, u.xy);

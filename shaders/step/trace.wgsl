@@ -1,5 +1,5 @@
 //@ use choice/camera_direction
-//@ use choice/coverage
+//@ use choice/walker
 //@ use choice/panes
 // Finds the nearest hit of the path's ray. Without a direction the path ends at the camera. Returns the number of steps.
 fn trace(path: ptr<function, Path>) -> u32 {

@@ -16,11 +16,14 @@ use super::swept::swept;
 use crate::bitmap::Decoding;
 use crate::bvh::{self, Bounds, Quality};
 use crate::data::{self, NO_TEXTURE, f32s};
+use crate::error::Result;
 use crate::lobe::{LOBES, Rows};
 use crate::material::{ALPHA, MIX, Material, Model, Slot, emission_row, microfacets};
 use crate::scene::{Background, Bitmap, Scene, SkyLayout, Step, Texture, Use};
 use crate::shape::similarity::Similarity;
 use crate::shape::{Element, KINDS, LargeSphere, MeshLayout, ObjectTransform, RenderSpace, Shape, error_bound, padded};
+use crate::volume::bricks::Bricks;
+use crate::volume::grid::Grid;
 
 /// The most primitives that every ray tests directly, without a hierarchy, if a ray hits at least `LEAST_CROSSINGS` of
 /// their boxes on average (`bvh::crossings`), as in a room. Otherwise it is the number of children of a node. Measured
@@ -55,6 +58,10 @@ pub struct Builder<'a> {
     pub images: HashMap<(String, Decoding), u32>,
     /// The first frames of meshes, by mesh and material.
     pub mesh_frames: HashMap<(usize, u32), u32>,
+    /// The layouts of the grids that have been added, each with the index of its first word.
+    pub grids: Vec<(Arc<Grid>, u32, Arc<Bricks>)>,
+    /// The index of the first word of the table of black bodies, if a medium needs it.
+    pub heat: Option<u32>,
     /// The motions, if anything moves.
     pub motions: Option<Motions>,
     pub flat: DeviceScene,
@@ -84,16 +91,20 @@ impl Builder<'_> {
         self.flat.features.quantities.stack_size = (bvh.stack_size + within).max(1);
     }
 
-    pub fn add_media(&mut self, media: &[WorldMedium<'_>]) {
+    /// # Errors
+    /// `Error::Scene` if a grid is too large.
+    pub fn add_media(&mut self, media: &[WorldMedium<'_>], radiance_scale: f64) -> Result<()> {
+        let mut centers = Vec::new();
         for (index, medium) in media.iter().enumerate() {
             let order = row_of_boundary(self.flat.primitives as usize, index) as u32;
             let order = order_of(order, &medium.motion);
-            self.add_medium(medium, order);
+            centers.push(self.add_medium(medium, order));
             let size = self.layout_of(&medium.boundary).stack_size;
             let deepest = &mut self.flat.features.quantities.boundary_stack_size;
             *deepest = size.max(*deepest);
         }
         self.flat.features.quantities.media = media.len() as u32;
+        self.add_fields(media, &centers, radiance_scale)
     }
 
     /// Adds a primitive. Returns its code and its bounds.

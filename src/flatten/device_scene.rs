@@ -36,6 +36,10 @@ pub struct DeviceScene {
     /// The leaves of the meshes' hierarchies.
     pub face_pairs: Vec<data::FacePair>,
     pub media: Vec<data::Medium>,
+    /// How the density of each medium varies, then the temperatures of some; empty if none does.
+    pub fields: Vec<data::ScalarField>,
+    /// The words of the grids of media, in the layout of shaders/medium/grid.
+    pub bricks: Vec<u32>,
     pub lights: Vec<data::Light>,
     pub delta_lights: Vec<data::DeltaLight>,
     /// The tree over the lights; empty if there are fewer than two.

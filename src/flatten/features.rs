@@ -15,6 +15,9 @@ pub use crate::shape::{BOUNDARIES, PRIMITIVES};
 /// The files of the backgrounds under shaders/background. Kernels switch on the indices.
 pub const BACKGROUNDS: &[&str] = &["solid", "gradient", "image", "octahedral"];
 
+/// The files of the densities that vary under shaders/medium. Kernels switch on the indices plus 1.
+pub const FIELDS: &[&str] = &["height", "grid"];
+
 /// The films that are no plane at distance 1.
 const PROJECTIONS: &[&str] = &["orthographic", "equirectangular", "fisheye", "calibrated", "calibrated_fisheye"];
 
@@ -90,6 +93,11 @@ pub static DECLARED: LazyLock<Vec<Declared>> = LazyLock::new(|| {
         // Media with a narrow phase function, and media whose albedo is a texture.
         group("narrow_medium", none(), Lit),
         named("textured_medium", none(), Always, "textured medium", "scene/textured_medium"),
+        // Densities that vary.
+        named("varying", FIELDS.to_vec(), Never, "{} density", "medium/{}"),
+        // Media that emit; those that do as black bodies.
+        named("medium_emission", none(), Never, "medium emission", "step/medium_emission"),
+        named("blackbody", none(), Never, "blackbody", "scene/heat"),
         // Shapes that are sampled as lights; those whose lights are cut into parts; convex ones that emit on both sides and have an alpha; those
         // whose radiance is a texture.
         labelled(of_shapes("area_light", |_| true, Lit), "{} light", "light/{}"),

@@ -9,10 +9,12 @@ use glam::DVec3;
 use super::motion::{Motion, Placement, Shutter, in_space};
 use super::swept::swept;
 use crate::delta_light::WorldLight;
-use crate::scene::{Camera, Material, Object, Scene, Texture};
+use crate::scene::{Camera, Emission, Heat, Material, Object, Scene, Texture, Varying};
 use crate::shape::mesh::MeshShape;
 use crate::shape::similarity::Similarity;
 use crate::shape::{BoundingShape, KINDS, ObjectTransform, RenderSpace, Shape};
+use crate::volume::grid::Grid;
+use crate::volume::heat;
 
 /// The names around an object.
 #[derive(Clone, Copy, Default)]
@@ -54,10 +56,37 @@ pub struct WorldMedium<'a> {
     pub motion: Motion,
     /// The placement of the medium's own space, which is also that of its texture.
     pub own: Placement,
-    /// The density per unit of length in the world.
+    /// The largest density, per unit of length in the world.
     pub density: f64,
+    pub varying: Option<&'a Varying>,
+    /// The grid of the density.
+    pub grid: Option<&'a Arc<Grid>>,
+    /// Whether the boundary is the grid's own box.
+    pub is_bare: bool,
     pub albedo: &'a Texture,
     pub anisotropy: f64,
+    pub emission: Option<&'a Emission>,
+    /// The grid of the temperature.
+    pub temperature: Option<&'a Arc<Grid>>,
+}
+
+impl WorldMedium<'_> {
+    /// The largest component of the radiance that it emits.
+    pub fn brightest(&self) -> f64 {
+        match self.emission {
+            None => 0.0,
+            Some(Emission::Colour(colour)) => colour.max_element(),
+            Some(Emission::Heat(Heat::Blackbody { scale, at, luminance, .. })) => {
+                let hottest = scale * self.temperature.map_or(0.0, |grid| f64::from(grid.largest()));
+                luminance * (heat::radiance(hottest) * (-heat::log_luminance(*at)).exp()).max_element()
+            }
+        }
+    }
+
+    /// Whether something in it is a function of the point in its own space.
+    pub fn reads_own_space(&self) -> bool {
+        self.albedo.shader_number().is_some() || self.varying.is_some() || self.temperature.is_some()
+    }
 }
 
 /// Collects the primitives and media of a scene.
@@ -66,6 +95,7 @@ pub struct Finder<'a> {
     /// The numbers of the materials that each one needs: its own, and those of its parts.
     pub needed: Vec<Vec<usize>>,
     meshes: &'a BTreeMap<&'a str, MeshShape<'a>>,
+    grids: &'a BTreeMap<(String, String), Arc<Grid>>,
     /// The camera's position.
     eye: DVec3,
     shutter: Shutter,
@@ -101,6 +131,7 @@ impl<'a> Finder<'a> {
             needed: scene.materials.iter().enumerate().map(with_parts).collect(),
             materials,
             meshes,
+            grids: &scene.grids,
             eye,
             shutter: Shutter::new(camera),
             name: Name::default(),
@@ -131,20 +162,34 @@ impl<'a> Finder<'a> {
             Object::Group(objects) | Object::Gltf { objects, .. } => {
                 objects.iter().for_each(|object| self.add(object, at));
             }
-            Object::Medium { boundary, density, albedo, anisotropy } => {
+            Object::Medium { boundary, density, albedo, anisotropy, emission } => {
+                let grid_of = |key: Option<(&str, &str)>| {
+                    key.and_then(|(path, name)| self.grids.get(&(path.to_owned(), name.to_owned())))
+                };
+                let grid = grid_of(density.grid());
+                let around = match boundary {
+                    Some(boundary) => self.boundary(boundary, at),
+                    None => grid
+                        .and_then(|grid| grid.boundary())
+                        .map(|shape| (shape.seen_from(&at.to_world, self.eye), at.clone())),
+                };
+                let density_scale = density.scale() * grid.map_or(1.0, |grid| f64::from(grid.largest()));
                 // A medium without density has no effect.
-                if *density > 0.0
-                    && let Some((boundary, around)) = self.boundary(boundary, at)
-                {
+                if let Some((boundary_shape, around)) = around.filter(|_| density_scale > 0.0) {
                     self.media.push(WorldMedium {
                         object,
-                        boundary,
+                        boundary: boundary_shape,
                         to_world: around.to_world,
                         motion: around.motion,
                         own: at.clone(),
-                        density: *density,
+                        density: density_scale,
+                        varying: density.varying(),
+                        grid,
+                        is_bare: boundary.is_none(),
                         albedo,
                         anisotropy: *anisotropy,
+                        emission: emission.as_ref().filter(|emission| emission.is_seen()),
+                        temperature: grid_of(emission.as_ref().and_then(Emission::grid)),
                     });
                 }
             }

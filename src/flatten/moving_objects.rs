@@ -52,7 +52,7 @@ impl Builder<'_> {
                 None => medium.boundary.bounding_shape(&at).position(),
             };
             motions.add(row + 1, &medium.own.motion, texture, space);
-            if !medium.own.motion.is_empty() && medium.albedo.shader_number().is_some() {
+            if !medium.own.motion.is_empty() && medium.reads_own_space() {
                 features.require("moving_medium", reason);
             }
         }

@@ -12,6 +12,7 @@ use crate::bitmap::{Bitmap, Decoding};
 use crate::gpu::link::{Embedded, Library};
 use crate::scene::{Background, Camera, Mesh, Object, Scene};
 use crate::texture::Texture;
+use crate::volume::grid::Grid;
 
 /// A hash of all shaders.
 pub fn of_shaders() -> String {
@@ -73,6 +74,7 @@ pub fn of_assets(scene: &Scene) -> Vec<(String, String)> {
             names.push((path.clone(), None));
         }
     });
+    let of_grids = scene.grids.iter().map(|((path, name), grid)| (format!("{path}[{name}]"), of_grid(grid)));
     let mut known: HashMap<(String, Option<Decoding>), String> = HashMap::new();
     let hash = |name: (String, Option<Decoding>)| {
         let (path, decoding) = &name;
@@ -85,7 +87,21 @@ pub fn of_assets(scene: &Scene) -> Vec<(String, String)> {
         });
         (path.clone(), hash.clone())
     };
-    names.into_iter().map(hash).collect()
+    names.into_iter().map(hash).chain(of_grids).collect()
+}
+
+fn of_grid(grid: &Grid) -> String {
+    let mut hasher = Sha256::new();
+    let Grid { background, to_own, active, tiles, leaves } = grid;
+    let _ = write!(hasher, "grid {background:?} {to_own:?} {active:?} ");
+    for tile in tiles {
+        let _ = write!(hasher, "{} {} {:?} ", tile.lower, tile.size, tile.value);
+    }
+    for leaf in leaves {
+        let _ = write!(hasher, "{} ", leaf.lower);
+        hasher.update(bytemuck::cast_slice(leaf.values.as_slice()));
+    }
+    hexadecimal(hasher)
 }
 
 fn of_bitmap(bitmap: &Bitmap) -> String {

@@ -66,6 +66,7 @@ impl Kernels {
                 4 * mattes,
                 "ids of mattes by object",
             )),
+            array(table("bricks", &flat.bricks, "grids of media")),
             array(table("motions", &flat.motions, "how objects move while the shutter is open")),
             array(table("meshes", &flat.meshes, "faces and vertices of meshes")),
             array(table("face_pairs", &flat.face_pairs, "faces of meshes as walks read them")),

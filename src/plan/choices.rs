@@ -8,7 +8,7 @@ use super::tables::UniformTables;
 use crate::aov::{Aovs, BACKGROUND, Finder, Sum, sums_of_group};
 use crate::bitmap::FORMATS;
 use crate::data::{FILM_SUMS, KIND_INSTANCE, KIND_TRIANGLE, RUN_LENGTH, SPLAT_SUMS};
-use crate::flatten::{BACKGROUNDS, BOUNDARIES, Features, PRIMITIVES, Quantities, TEXTURES};
+use crate::flatten::{BACKGROUNDS, BOUNDARIES, FIELDS, Features, PRIMITIVES, Quantities, TEXTURES};
 use crate::gpu::link::{Choices, Entry, Facts, Reason, reason_of};
 use crate::lobe::{LOBES, evaluated_rows, lobes_module, numbers};
 use crate::material::{MATERIALS, Material, MaterialKind, RowKind, Sets};
@@ -16,7 +16,7 @@ use crate::options::RenderOptions;
 use crate::shape::{KINDS, ShapeKind, code_kind};
 
 /// All tables but those of shapes.
-const OTHER_TABLES: &str = "nodes media lights delta_lights light_nodes emitters aims materials textures frames";
+const OTHER_TABLES: &str = "nodes media fields lights delta_lights light_nodes emitters aims materials textures frames";
 
 /// The kinds of material that the scene uses.
 pub(super) fn materials(features: &Features) -> Vec<Entry> {
@@ -121,6 +121,8 @@ fn lists_of_shapes(facts: &Facts) -> Lists {
         ("crossed_body", crossed_body),
         // The kinds of boundary of media that a ray enters at most once.
         ("convex_boundary", of_group(facts, "boundary", convex)),
+        // The densities of media that vary.
+        ("varying", of_group(facts, "varying", (1..).zip(FIELDS.iter().copied()))),
         ("texture", of_group(facts, "texture", numbered(TEXTURES))),
         ("texel_format", of_group(facts, "texel", numbered(FORMATS))),
         // The last background, those before it, and all.

@@ -71,6 +71,7 @@ pub fn tables(flat: &DeviceScene) -> Vec<Table<'_>> {
     let nodes = table("nodes", &flat.nodes, "the bounding volume hierarchy");
     let others = [
         table("media", &flat.media, "participating media"),
+        table("fields", &flat.fields, "how the densities of media vary"),
         table("lights", &flat.lights, "lights that are sampled"),
         table("delta_lights", &flat.delta_lights, "lights without size"),
         table("light_nodes", &flat.light_nodes, "the tree over them"),

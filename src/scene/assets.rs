@@ -1,6 +1,8 @@
 //! The images and meshes that a scene was read with. If it is read again, those whose files have not changed are taken from here.
 
+use std::borrow::Borrow;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::hash::Hash;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
@@ -11,6 +13,7 @@ use super::inputs::{Input, buffers};
 use super::mesh_files::ObjFiles;
 use crate::bitmap::{Bitmap, Decoding};
 use crate::shape::mesh::Mesh;
+use crate::volume::grid::Grid;
 
 /// The stamp of a file, which shows that it has changed: the time of its last write, its length, and its inode, which another file of its name would not
 /// have. `None` if there is no file.
@@ -41,6 +44,8 @@ pub struct Assets {
     bitmaps: HashMap<PathBuf, Kept<Decoded>>,
     /// With the bytes of memory that reading each took of the room that there was.
     meshes: HashMap<PathBuf, Kept<(Arc<Mesh>, usize)>>,
+    /// By their names in the files, too.
+    grids: HashMap<(PathBuf, String), Kept<Arc<Grid>>>,
     /// The files that the scene was read from, also those that are missing, as they were before they were read.
     pub files: BTreeMap<PathBuf, Stamp>,
     /// How many images and meshes have been read since the start.
@@ -87,14 +92,15 @@ impl Assets {
 
     /// Ends it: what the scene does not name is dropped.
     pub(super) fn end(&mut self) {
-        let Assets { bitmaps, meshes, named, .. } = self;
+        let Assets { bitmaps, meshes, grids, named, .. } = self;
         bitmaps.retain(|path, _| named.contains(path));
         meshes.retain(|path, _| named.contains(path));
+        grids.retain(|(path, _), _| named.contains(path));
     }
 
     /// How many there are.
     pub fn count(&self) -> usize {
-        self.bitmaps.len() + self.meshes.len()
+        self.bitmaps.len() + self.meshes.len() + self.grids.len()
     }
 
     /// Records that the scene names a file, or a part of one. The result is the file and those that it names, as they are.
@@ -129,6 +135,16 @@ impl Assets {
         kept(&self.meshes, path, files).cloned()
     }
 
+    /// A grid, if its file is as it was.
+    pub(super) fn grid(&self, path: &Path, name: &str, files: &[(PathBuf, Stamp)]) -> Option<Arc<Grid>> {
+        kept(&self.grids, &(path.to_owned(), name.to_owned()), files).cloned()
+    }
+
+    pub(super) fn keep_grid(&mut self, path: &Path, name: &str, files: Vec<(PathBuf, Stamp)>, what: Arc<Grid>) {
+        self.read += 1;
+        self.grids.insert((path.to_owned(), name.to_owned()), Kept { what, files });
+    }
+
     pub(super) fn keep_bitmaps(&mut self, path: &Path, files: Vec<(PathBuf, Stamp)>, what: Decoded) {
         self.read += 1;
         self.bitmaps.insert(path.to_owned(), Kept { what, files });
@@ -141,6 +157,10 @@ impl Assets {
 }
 
 /// What is kept of a file, if its files are as they were.
-fn kept<'a, T>(all: &'a HashMap<PathBuf, Kept<T>>, path: &Path, files: &[(PathBuf, Stamp)]) -> Option<&'a T> {
-    all.get(path).filter(|kept| kept.files == files).map(|kept| &kept.what)
+fn kept<'a, K: Eq + Hash + Borrow<Q>, Q: Eq + Hash + ?Sized, T>(
+    all: &'a HashMap<K, Kept<T>>,
+    key: &Q,
+    files: &[(PathBuf, Stamp)],
+) -> Option<&'a T> {
+    all.get(key).filter(|kept| kept.files == files).map(|kept| &kept.what)
 }

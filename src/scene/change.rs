@@ -159,7 +159,7 @@ fn children(object: &mut Object) -> Vec<&mut Object> {
         Object::Named { object, .. }
         | Object::Transformed { object, .. }
         | Object::Moving { object, .. }
-        | Object::Medium { boundary: object, .. } => vec![object],
+        | Object::Medium { boundary: Some(object), .. } => vec![object],
         Object::Group(objects) | Object::Gltf { objects, .. } => objects.iter_mut().collect(),
         _ => Vec::new(),
     }

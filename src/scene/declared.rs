@@ -17,6 +17,7 @@ use crate::source::declare::declare;
 use crate::source::form::{Checked, Field, Form, PATH, colour, flag, integer, number, other, point, texture, vector};
 use crate::source::{DEGREES, NO_UNIT, Range, SCENE_UNITS, ValuePath};
 use crate::texture::{Colour, Texture, Use};
+use crate::volume::{ANY_DENSITY, ANY_EMISSION, Density, Emission};
 
 /// The most pixels of an image.
 pub const LARGEST_AREA: u64 = 1 << 30;
@@ -384,19 +385,22 @@ declare! {
             fps: f64 = number(Range::POSITIVE, NO_UNIT).or("24");
             .. #[serde(default, skip_deserializing)] objects: Vec<Object>
         }
-        /// Fog or smoke of constant density inside a boundary, which itself is invisible. Where media overlap, their densities add. A
+        /// Fog, smoke, a cloud or fire inside a boundary, which itself is invisible. Where media overlap, their densities add. A
         /// medium whose boundary is also a glass surface fills the glass.
         Medium: medium,
             "Medium(boundary: Sphere(center: (0, 1, 0), radius: 5), density: 0.01, albedo: Rgb(1, 1, 1), anisotropy: 0)"
         {
             /// A Sphere, a Box or a closed Mesh, Transformed, Moving or not.
-            boundary: Box<Object> = other("an object without a material");
-            /// The extinction coefficient: light falls to 1/e over a distance of 1 / density.
-            density: f64 = number(Range::NOT_NEGATIVE, "per scene unit");
+            @default boundary: Option<Box<Object>> = other("an object without a material").or("the box of a density that is a grid");
+            /// The extinction coefficient: light falls to 1/e over a distance of 1 / density. See Densities for those that vary.
+            density: Density = other(ANY_DENSITY);
             /// The scattered share of that light; the rest is absorbed. An `Image` is not allowed.
             albedo: Texture = texture(Use::Albedo.range());
             /// Henyey and Greenstein's g: above 0 most light is scattered forwards, below 0 back.
             @default anisotropy: f64 = number(Range::between(-1.0, 1.0), NO_UNIT).or("0");
+            /// The radiance of what absorbs light there: the medium emits this times density and 1 - albedo for each scene unit. Only paths
+            /// that reach it find it, as light sampling knows surfaces alone.
+            @default emission: Option<Emission> = other(ANY_EMISSION).or("no emission");
         }
     }
 }

@@ -4,6 +4,7 @@ use super::declared::{camera, camera_key, image, render};
 use super::projection::{Distortion, Projection};
 use super::types::{Background, Material, Object, Texture, Transform};
 use crate::source::form::{Form, other};
+use crate::volume::{Heat, Varying};
 
 pub const SCENE: Form = Form {
     name: "Scene",
@@ -32,7 +33,7 @@ pub const SCENE: Form = Form {
 };
 
 /// All forms by what they are, in the order of docs/scene.md. A name may stand for two of them, which are written alike.
-pub fn groups() -> [(&'static str, &'static [Form]); 8] {
+pub fn groups() -> [(&'static str, &'static [Form]); 10] {
     [
         ("Scene", &[SCENE, image::FORM, camera::FORM, render::FORM, camera_key::FORM]),
         ("Projections", Projection::FORMS),
@@ -41,6 +42,8 @@ pub fn groups() -> [(&'static str, &'static [Form]); 8] {
         ("Materials", Material::FORMS),
         ("Textures", Texture::FORMS),
         ("Objects", Object::FORMS),
+        ("Densities", Varying::FORMS),
+        ("Emissions", Heat::FORMS),
         ("Transforms", Transform::FORMS),
     ]
 }

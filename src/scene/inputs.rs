@@ -39,6 +39,7 @@ impl Scene {
                 names.push(path);
             }
         });
+        names.extend(self.grids.keys().map(|(path, _)| path));
         names.extend(self.bitmaps.paths().chain(self.meshes.keys()).filter(|path| !self.made.contains(*path)));
         let mut known = HashSet::from([scene_file.path]);
         for name in names {

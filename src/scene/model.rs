@@ -11,6 +11,7 @@ use crate::bitmap::{Channel, Decoding};
 use crate::error::{Error, Location};
 use crate::shape::mesh::Mesh;
 use crate::source::{Source, Step, ValuePath};
+use crate::volume::grid::Grid;
 
 /// A scene that has been read and validated, with its images decoded and its meshes read.
 #[derive(Clone, Debug)]
@@ -26,6 +27,8 @@ pub struct Scene {
     pub bitmaps: Bitmaps,
     /// The meshes, by the paths that the scene file writes.
     pub meshes: BTreeMap<String, Arc<Mesh>>,
+    /// The grids of media, by the paths that the scene file writes and their names in the files.
+    pub grids: BTreeMap<(String, String), Arc<Grid>>,
     /// The frame of the animations of a glTF scene, if one was requested.
     pub frame: Option<AnimationFrame>,
     /// The frames before and after that, if motions are asked for.

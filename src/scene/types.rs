@@ -12,3 +12,4 @@ pub use crate::material::{
     ThinDielectric,
 };
 pub use crate::texture::{Colour, Texture, Use, Wrap};
+pub use crate::volume::{Density, Emission, Heat, Varying};

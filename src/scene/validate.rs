@@ -258,8 +258,15 @@ fn object(known: &KnownNames, at: &ValuePath, object: &Object, bound: TransformB
                 self::object(known, &at.index(index), inner, bound, findings);
             }
         }
-        Object::Medium { boundary, albedo, .. } => {
-            self::boundary(known, &at.field("boundary"), boundary, bound, findings);
+        Object::Medium { boundary, density, albedo, .. } => {
+            match boundary {
+                Some(boundary) => self::boundary(known, &at.field("boundary"), boundary, bound, findings),
+                None if density.grid().is_some() => {}
+                None => {
+                    let message = "boundary is missing: only a density that is a Grid(..) has a box of its own";
+                    findings.refuse(at.field("boundary").error(message));
+                }
+            }
             findings.record(match albedo.needs_uv() {
                 true => {
                     let message = "there are no texture coordinates inside a medium: expected Rgb(..), Checker(..), \

@@ -12,7 +12,7 @@ pub fn visit<'a>(at: &ValuePath, object: &'a Object, visitor: &mut dyn FnMut(&Va
         Object::Transformed { object, .. } | Object::Moving { object, .. } | Object::Named { object, .. } => {
             visit(&at.field("object"), object, visitor)
         }
-        Object::Medium { boundary, .. } => visit(&at.field("boundary"), boundary, visitor),
+        Object::Medium { boundary: Some(boundary), .. } => visit(&at.field("boundary"), boundary, visitor),
         Object::Group(objects) | Object::Gltf { objects, .. } => {
             objects.iter().enumerate().for_each(|(index, object)| visit(&at.index(index), object, visitor));
         }

@@ -55,7 +55,7 @@ impl Scene {
         let mut at_rest: Vec<String> = Vec::new();
         let mut reported = HashSet::new();
         self.visit_objects(&mut |at, object| match object {
-            Object::Medium { density: 0.0, .. } => {
+            Object::Medium { density, .. } if density.scale() == 0.0 => {
                 let message = "a density of 0 means that the medium has no effect: remove it or raise its density";
                 warnings.push(at.field("density").warning(message));
             }

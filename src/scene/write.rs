@@ -70,13 +70,18 @@ fn object(object: &Object) -> Result<String, ron::Error> {
             let fps = if *fps == FPS { String::new() } else { format!(", fps: {fps:?}") };
             format!("Gltf(path: {}{watts}{thin}{frame}{fps})", value(path)?)
         }
-        Object::Medium { boundary, density, albedo, anisotropy } => format!(
-            "Medium(boundary: {}, density: {}, albedo: {}, anisotropy: {})",
-            self::object(boundary)?,
-            value(density)?,
-            value(albedo)?,
-            value(anisotropy)?
-        ),
+        Object::Medium { boundary, density, albedo, anisotropy, emission } => {
+            let boundary = match boundary {
+                Some(boundary) => format!("boundary: {}, ", self::object(boundary)?),
+                None => String::new(),
+            };
+            let emission = match emission {
+                Some(emission) => format!(", emission: {}", value(emission)?),
+                None => String::new(),
+            };
+            let [density, albedo, anisotropy] = [value(density)?, value(albedo)?, value(anisotropy)?];
+            format!("Medium({boundary}density: {density}, albedo: {albedo}, anisotropy: {anisotropy}{emission})")
+        }
         // What contains neither objects nor the path of a file is written as it is read.
         _ => value(object)?,
     })

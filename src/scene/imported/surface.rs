@@ -51,10 +51,11 @@ pub struct Medium {
 impl Medium {
     pub fn inside(&self, boundary: Object) -> Object {
         Object::Medium {
-            boundary: Box::new(boundary),
-            density: self.extinction.x,
+            boundary: Some(Box::new(boundary)),
+            density: Density::Constant(self.extinction.x),
             albedo: self.albedo.into(),
             anisotropy: self.anisotropy,
+            emission: None,
         }
     }
 }

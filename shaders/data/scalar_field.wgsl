@@ -1,0 +1,34 @@
+// A number that varies in space: the density of a medium, by the index of the medium, or behind those its temperature.
+struct ScalarField {
+    // By the offset from the medium's own point, with a 1 behind it. FIELD_GRID: the position in the grid, in voxels. FIELD_HEIGHT: `x` is the
+    // logarithm of the density.
+    x: vec4<f32>,
+    y: vec4<f32>,
+    z: vec4<f32>,
+    // The radiance of what absorbs light in the medium. With a temperature, the radiance of a black body, whose luminance is in W / (m^2 sr nm),
+    // times this.
+    emission: vec3<f32>,
+    kind: u32,
+    // The corners of the box that the grid fills, in voxels.
+    low: vec3<f32>,
+    // Its first word among those of all grids (medium/grid).
+    first: u32,
+    high: vec3<f32>,
+    // The value out of the box, in the grid's unit.
+    outside: f32,
+    // The number of tiles of the grid along each axis.
+    tiles: vec3<u32>,
+    // The index of the field of the medium's temperature, or NO_FIELD.
+    temperature: u32,
+    // A value is the grid's times this.
+    scale: f32,
+    // The first word of the table of black bodies (scene/heat).
+    heat: u32,
+    padding0: u32,
+    padding1: u32,
+}
+
+const FIELD_CONSTANT: u32 = 0u;
+const FIELD_HEIGHT: u32 = 1u;
+const FIELD_GRID: u32 = 2u;
+const NO_FIELD: u32 = 0xffffffffu;

@@ -1,0 +1,207 @@
+//! A grid in the layout of the kernels (shaders/medium/grid): tiles of 8 x 8 x 8 bricks, each of 9 x 9 x 9 texels of 16 bits.
+//!
+//! A texel is a share of the largest value of its brick, which is that of a texel to the bit. So a value is off by at most half a step, 1 / 131,070 of
+//! the largest in its brick, and the bound on the density of a brick is exact.
+
+use std::collections::{HashMap, HashSet};
+
+use glam::IVec3;
+
+use super::grid::{Grid, Leaf};
+
+/// The cells of a brick along an edge.
+pub const BRICK: i32 = 8;
+/// The cells of a tile along an edge.
+pub const TILE: i32 = 64;
+/// The bricks of a tile along an edge.
+const BRICKS: i32 = TILE / BRICK;
+/// The texels of a brick along an edge.
+const TEXELS: i32 = BRICK + 1;
+/// The most tiles: their entries take 64 MiB.
+const MOST_TILES: i64 = 1 << 23;
+
+/// A grid as kernels read it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Bricks {
+    /// The number of tiles along each axis.
+    pub tiles: IVec3,
+    /// The index of the voxel at the lower corner of the tiles.
+    pub lower: IVec3,
+    /// The words, in which indices of words count from the first of them.
+    pub words: Vec<u32>,
+    /// The largest value.
+    pub largest: f32,
+}
+
+impl Grid {
+    /// Its layout for kernels; nothing if no voxel is active. Negative values count as 0, and voxels out of the box of the active ones as the
+    /// background.
+    ///
+    /// # Errors
+    /// The number of tiles, if it is too large.
+    pub fn bricks(&self) -> Result<Option<Bricks>, String> {
+        let Some((first, last)) = self.active else { return Ok(None) };
+        let (first, last) = (first.as_i64vec3(), last.as_i64vec3());
+        // Bricks begin where those of OpenVDB do, so that its tiles are whole ones.
+        let lower = (first - 1).map(|x| x.div_euclid(BRICK.into()) * i64::from(BRICK));
+        let tiles = (last + 1 - lower).map(|cells| cells.div_euclid(TILE.into()) + 1);
+        let count = tiles.to_array().iter().try_fold(1i64, |product, n| product.checked_mul(*n));
+        let Some(count) = count.filter(|count| *count <= MOST_TILES) else {
+            return Err(format!(
+                "expected a grid that spans at most {MOST_TILES} blocks of {TILE} x {TILE} x {TILE} voxels, found {} x {} x {}: cut off \
+                 the voxels far from the others",
+                tiles.x, tiles.y, tiles.z
+            ));
+        };
+        let voxels = Voxels::of(self);
+        let (lower, tiles) = (lower.as_ivec3(), tiles.as_ivec3());
+        let mut made = Made { words: vec![0; 2 * count as usize], largest: self.background.max(0.0) };
+        let plain = entry_of(0, self.background.max(0.0));
+        made.words.chunks_exact_mut(2).for_each(|entry| entry.copy_from_slice(&plain));
+        for tile in voxels.touched(lower, tiles) {
+            let at = 2 * (tile.x + tiles.x * (tile.y + tiles.y * tile.z)) as usize;
+            let entry = made.add_tile(&voxels, lower + tile * TILE);
+            made.words[at..at + 2].copy_from_slice(&entry);
+        }
+        Ok(Some(Bricks { tiles, lower, words: made.words, largest: made.largest }))
+    }
+}
+
+fn entry_of(index: u32, bound: f32) -> [u32; 2] {
+    [index, bound.to_bits()]
+}
+
+/// The words that are made.
+struct Made {
+    words: Vec<u32>,
+    largest: f32,
+}
+
+impl Made {
+    /// Adds the bricks of a tile whose lower corner is this voxel. Returns its entry.
+    fn add_tile(&mut self, voxels: &Voxels<'_>, lower: IVec3) -> [u32; 2] {
+        let begin = self.words.len();
+        self.words.resize(begin + 2 * (BRICKS * BRICKS * BRICKS) as usize, 0);
+        let mut texels = [0.0; (TEXELS * TEXELS * TEXELS) as usize];
+        let (mut same, mut largest) = (true, 0f32);
+        for index in 0..BRICKS * BRICKS * BRICKS {
+            let brick = IVec3::new(index % BRICKS, index / BRICKS % BRICKS, index / BRICKS / BRICKS);
+            let one = voxels.fill(lower + brick * BRICK, &mut texels);
+            let bound = texels.iter().fold(0f32, |most, value| most.max(*value));
+            let entry = entry_of(if one { 0 } else { self.add_texels(&texels, bound) }, bound);
+            let at = begin + 2 * index as usize;
+            self.words[at..at + 2].copy_from_slice(&entry);
+            same &= self.words[at..at + 2] == self.words[begin..begin + 2];
+            largest = largest.max(bound);
+        }
+        self.largest = self.largest.max(largest);
+        if same && self.words[begin] == 0 {
+            self.words.truncate(begin);
+            return entry_of(0, largest);
+        }
+        entry_of(begin as u32, largest)
+    }
+
+    /// Returns the index of their first word.
+    fn add_texels(&mut self, texels: &[f32], bound: f32) -> u32 {
+        let begin = self.words.len() as u32;
+        let code = |value: &f32| (f64::from(*value) / f64::from(bound) * f64::from(u16::MAX)).round() as u32;
+        self.words.extend(
+            texels
+                .chunks(2)
+                .map(|pair| pair.iter().map(code).enumerate().fold(0, |word, (half, code)| word | code << (16 * half))),
+        );
+        begin
+    }
+}
+
+/// What covers a block of 8 x 8 x 8 voxels.
+#[derive(Clone, Copy)]
+enum Block<'a> {
+    Leaf(&'a [f32; 512]),
+    Value(f32),
+}
+
+/// The voxels of a grid, by their indices.
+struct Voxels<'a> {
+    grid: &'a Grid,
+    active: (IVec3, IVec3),
+    leaves: HashMap<IVec3, &'a Leaf>,
+    /// By the logarithm of the size, then by the lower corner.
+    tiles: HashMap<(u32, IVec3), f32>,
+    /// The logarithms of the sizes of the tiles.
+    sizes: Vec<u32>,
+}
+
+impl<'a> Voxels<'a> {
+    fn of(grid: &'a Grid) -> Voxels<'a> {
+        let log = |size: i32| size.max(1).ilog2();
+        let tiles: HashMap<_, _> = grid.tiles.iter().map(|tile| ((log(tile.size), tile.lower), tile.value)).collect();
+        let sizes: HashSet<u32> = tiles.keys().map(|(size, _)| *size).collect();
+        Voxels {
+            grid,
+            active: grid.active.unwrap_or_default(),
+            leaves: grid.leaves.iter().map(|leaf| (leaf.lower, leaf)).collect(),
+            tiles,
+            sizes: sizes.into_iter().collect(),
+        }
+    }
+
+    /// The tiles of the lattice whose texels are not all the background's, in order.
+    fn touched(&self, lower: IVec3, tiles: IVec3) -> Vec<IVec3> {
+        let leaves = self.grid.leaves.iter().map(|leaf| (leaf.lower, BRICK));
+        let all = leaves.chain(self.grid.tiles.iter().map(|tile| (tile.lower, tile.size)));
+        let mut found = HashSet::new();
+        for (corner, size) in all {
+            // A brick has the texels on its upper faces, too.
+            let last = corner.saturating_add(IVec3::splat(size - 1));
+            let [from, to] = [corner.saturating_sub(IVec3::splat(BRICK)), last].map(|voxel| {
+                let offset = voxel.as_i64vec3() - lower.as_i64vec3();
+                offset.map(|x| x.div_euclid(TILE.into())).clamp(glam::I64Vec3::splat(-1), tiles.as_i64vec3()).as_ivec3()
+            });
+            let (from, to) = (from.max(IVec3::ZERO), to.min(tiles - 1));
+            for z in from.z..=to.z {
+                for y in from.y..=to.y {
+                    found.extend((from.x..=to.x).map(|x| IVec3::new(x, y, z)));
+                }
+            }
+        }
+        let mut found: Vec<IVec3> = found.into_iter().collect();
+        found.sort_by_key(|tile| (tile.z, tile.y, tile.x));
+        found
+    }
+
+    fn block(&self, lower: IVec3) -> Block<'a> {
+        if let Some(leaf) = self.leaves.get(&lower) {
+            return Block::Leaf(&leaf.values);
+        }
+        let tile = |size: &u32| self.tiles.get(&(*size, lower & IVec3::splat(-1 << size)));
+        Block::Value(self.sizes.iter().find_map(tile).copied().unwrap_or(self.grid.background))
+    }
+
+    /// Writes the texels of the brick whose lower corner is this voxel. Whether all are the same.
+    fn fill(&self, lower: IVec3, texels: &mut [f32]) -> bool {
+        let corner = |index: i32| lower + BRICK * IVec3::new(index >> 2, index >> 1 & 1, index & 1);
+        let blocks: [Block<'_>; 8] = std::array::from_fn(|index| self.block(corner(index as i32)));
+        let (first, last) = self.active;
+        let is_inside = lower.cmpge(first).all() && (lower + BRICK).cmple(last).all();
+        if let (true, Block::Value(value)) = (is_inside, blocks[0])
+            && blocks.iter().all(|block| matches!(block, Block::Value(own) if *own == value))
+        {
+            texels.fill(value.max(0.0));
+            return true;
+        }
+        for (index, texel) in (0..).zip(texels.iter_mut()) {
+            let at = IVec3::new(index / TEXELS / TEXELS, index / TEXELS % TEXELS, index % TEXELS);
+            let (block, within) = (at / BRICK, at % BRICK);
+            let voxel = lower + at;
+            let value = match blocks[(block.x * 4 + block.y * 2 + block.z) as usize] {
+                _ if !(voxel.cmpge(first).all() && voxel.cmple(last).all()) => self.grid.background,
+                Block::Leaf(values) => values[(within.x * 64 + within.y * 8 + within.z) as usize],
+                Block::Value(value) => value,
+            };
+            *texel = value.max(0.0);
+        }
+        texels.iter().all(|texel| *texel == texels[0])
+    }
+}

@@ -1,0 +1,64 @@
+//! A grid of numbers.
+
+use glam::{DAffine3, DVec3, IVec3};
+
+use crate::shape::{self, Aabb, Shape};
+
+/// A grid of numbers at integer points: a tree of OpenVDB as read, in f32.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Grid {
+    /// The value everywhere that no leaf or tile covers.
+    pub background: f32,
+    /// From index space (sample i is at i) to the medium's own space.
+    pub to_own: DAffine3,
+    /// The smallest box around the active voxels and active tiles: the first and the last, inclusive. None if nothing is active.
+    pub active: Option<(IVec3, IVec3)>,
+    pub tiles: Vec<Tile>,
+    pub leaves: Vec<Leaf>,
+}
+
+/// A box of one value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tile {
+    pub lower: IVec3,
+    /// The voxels along an edge.
+    pub size: i32,
+    pub value: f32,
+}
+
+/// A block of 8 x 8 x 8 voxels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Leaf {
+    pub lower: IVec3,
+    /// x first: index x 64 + y 8 + z.
+    pub values: Box<[f32; 512]>,
+}
+
+impl Grid {
+    /// The largest value.
+    pub fn largest(&self) -> f32 {
+        let of_leaves = self.leaves.iter().flat_map(|leaf| leaf.values.iter().copied());
+        let all = of_leaves.chain(self.tiles.iter().map(|tile| tile.value));
+        all.fold(self.background, f32::max)
+    }
+
+    /// The box of the active voxels, one voxel wider on each side, by the indices of its corners: between the outermost voxels and their
+    /// neighbours the values are trilinear.
+    pub fn around(&self) -> Option<(DVec3, DVec3)> {
+        let (first, last) = self.active?;
+        Some((first.as_dvec3() - 1.0, last.as_dvec3() + 1.0))
+    }
+
+    /// The smallest box in the medium's own space around that box.
+    pub fn boundary(&self) -> Option<Shape<'static>> {
+        let (low, high) = self.around()?;
+        let corner = |i: usize| DVec3::new([low, high][i & 1].x, [low, high][i >> 1 & 1].y, [low, high][i >> 2].z);
+        let around = Aabb::around((0..8).map(|i| self.to_own.transform_point3(corner(i))));
+        Some(Shape::Cuboid(shape::Cuboid { min: around.min, max: around.max }))
+    }
+
+    /// The bytes of its tree.
+    pub fn bytes(&self) -> usize {
+        self.leaves.len() * (size_of::<Leaf>() + size_of::<[f32; 512]>()) + self.tiles.len() * size_of::<Tile>()
+    }
+}
