@@ -28,7 +28,7 @@ const DERIVED: &[(&str, &str)] = &[
     // A light at infinity is sampled.
     ("light_at_infinity", "sky_light | directional_light"),
     // A light has a radiance that a path gets before its end.
-    ("sampled_light", "light | scene.emission"),
+    ("sampled_light", "light | scene.emission | medium_emission"),
     // Every ray tests all primitives.
     ("brute_force", "(mesh | shape | few_primitives) & few_primitives & surface"),
     // Lobes hide light from light sampling; probes count it.
