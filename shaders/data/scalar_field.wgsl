@@ -1,13 +1,14 @@
 // A number that varies in space: the density of a medium, by the index of the medium, or behind those its temperature.
 struct ScalarField {
-    // By the offset from the medium's own point, with a 1 behind it. FIELD_GRID: the position in the grid, in voxels. FIELD_HEIGHT: `x` is the
-    // logarithm of the density.
+    // By the offset from the medium's own point, with a 1 behind it. Of a grid: the position in it, in voxels. Of a density by
+    // height: `x` is the logarithm of the density.
     x: vec4<f32>,
     y: vec4<f32>,
     z: vec4<f32>,
     // The radiance of what absorbs light in the medium. With a temperature, the radiance of a black body, whose luminance is in W / (m^2 sr nm),
     // times this.
     emission: vec3<f32>,
+    // How the density varies: the number of its file, counted from 1; 0 if it does not.
     kind: u32,
     // The corners of the box that the grid fills, in voxels.
     low: vec3<f32>,
@@ -28,7 +29,4 @@ struct ScalarField {
     padding1: u32,
 }
 
-const FIELD_CONSTANT: u32 = 0u;
-const FIELD_HEIGHT: u32 = 1u;
-const FIELD_GRID: u32 = 2u;
 const NO_FIELD: u32 = 0xffffffffu;

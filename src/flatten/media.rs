@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use super::builder::Builder;
 use super::finder::WorldMedium;
-use crate::data::{self, FIELD_CONSTANT, FIELD_GRID, FIELD_HEIGHT, NO_FIELD, f32s};
+use crate::data::{self, NO_FIELD, f32s};
 use crate::error::Result;
 use crate::scene::{Emission, Heat, Varying};
 use crate::shape::{Element, ObjectTransform, RenderSpace};
@@ -14,6 +14,10 @@ use crate::texture::Use;
 use crate::volume::bricks::Bricks;
 use crate::volume::grid::Grid;
 use crate::volume::heat;
+
+/// Numbers of the files that say how a density varies, counted from 1 ([`FIELDS`](super::FIELDS)).
+const HEIGHT: u32 = 1;
+const GRID: u32 = 2;
 
 impl Builder<'_> {
     /// `order` is the place of its boundary behind the primitives. Returns the medium's own point.
@@ -92,14 +96,14 @@ impl Builder<'_> {
     }
 
     fn field_of_density(&mut self, medium: &WorldMedium<'_>, to_own: &DAffine3) -> Result<data::ScalarField> {
-        let constant = data::ScalarField { kind: FIELD_CONSTANT, temperature: NO_FIELD, ..Default::default() };
+        let constant = data::ScalarField { temperature: NO_FIELD, ..Default::default() };
         Ok(match (medium.varying, medium.grid) {
             (Some(Varying::Height { scale_height, at, .. }), _) => {
                 // The logarithm of the density: log(density) - (y - at) / scale_height.
                 let up = to_own.matrix3.row(1) / -scale_height;
                 let log_density = (medium.density / self.space.scale).ln();
                 let here = log_density - (to_own.translation.y - at) / scale_height;
-                data::ScalarField { kind: FIELD_HEIGHT, x: row(up, here), ..constant }
+                data::ScalarField { kind: HEIGHT, x: row(up, here), ..constant }
             }
             (Some(Varying::Grid { scale, .. }), Some(grid)) => {
                 let field = self.field_of_grid(medium, grid, to_own, scale / self.space.scale)?;
@@ -128,7 +132,7 @@ impl Builder<'_> {
             x: row(rows.col(0), offset.x),
             y: row(rows.col(1), offset.y),
             z: row(rows.col(2), offset.z),
-            kind: FIELD_GRID,
+            kind: GRID,
             low: f32s(low - corner),
             high: f32s(high - corner),
             first,

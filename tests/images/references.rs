@@ -11,7 +11,7 @@ use crate::common::render::{Request, Shot, render};
 use crate::common::stats::{mean_and_variance, sidak, student_two_sided};
 use gpu_rt::metrics::flip;
 use gpu_rt::output::exr::read_exr;
-use gpu_rt::scene::{Lambertian, Material, Object, Projection, Scene, Texture, Transform};
+use gpu_rt::scene::{Density, Lambertian, Material, Object, Projection, Scene, Texture, Transform};
 
 /// False-alarm rate of each test function here, shared by its areas and channels.
 const ALPHA: f64 = 1e-6;
@@ -248,7 +248,8 @@ fn a_scene_with_one_thing_else_is_found() {
             Object::Medium { density, .. } => Some(density),
             _ => None,
         });
-        *density.expect("there is smoke") *= 0.5;
+        let density = density.expect("there is smoke");
+        *density = Density::Constant(0.5 * density.scale());
     };
     let larger: Planted = |scene| {
         let larger = scene.objects.iter_mut().find_map(|object| match object {

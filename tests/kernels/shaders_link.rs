@@ -8,7 +8,7 @@ use gpu_rt::aov::{Aovs, SeenSurface};
 use gpu_rt::bitmap::FORMATS;
 use gpu_rt::data::{KIND_INSTANCE, KIND_TRIANGLE, Sampler};
 use gpu_rt::flatten::{
-    BACKGROUNDS, BOUNDARIES, DECLARED, Declared, Features, MATERIALS, PRIMITIVES, Quantities, TEXTURES,
+    BACKGROUNDS, BOUNDARIES, DECLARED, Declared, FIELDS, Features, MATERIALS, PRIMITIVES, Quantities, TEXTURES,
 };
 use gpu_rt::gpu::layout::BindingKind;
 use gpu_rt::gpu::link::{Choices, Embedded, Entry, Heads, Library, Linked, Reason, When, link};
@@ -250,7 +250,8 @@ fn moving(features: Features, camera: bool) -> Features {
     };
     let boundaries = (0..).zip(PRIMITIVES).filter(|(_, name)| boundary(name)).map(|(i, _)| 1 << i).sum();
     let shapes = bits_in(&features, "shape", PRIMITIVES);
-    let [lights, media] = ["delta_light", "textured_medium"].map(|fact| features.reason(fact).is_some());
+    let lights = features.reason("delta_light").is_some();
+    let media = features.reason("textured_medium").is_some() || features.any("varying").is_some();
     let own = [(lights, "moving_light"), (media, "moving_medium"), (camera, "moving_camera")];
     let own: Vec<&str> = own.into_iter().filter(|(moves, _)| *moves).map(|(_, fact)| fact).collect();
     let found = with(with(features, "moves", PRIMITIVES, shapes), "boundary_moves", PRIMITIVES, boundaries);
@@ -368,6 +369,19 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
         }
         found.push(varying(features(1, materials, textures, SOLID, false), &[kind]));
     }
+    // Densities that vary, in every set of boundaries, with and without light, emission, temperatures and motion.
+    for fields in 1..=all(FIELDS) {
+        for boundaries in 1..=all(&BOUNDARIES) {
+            let fog = with_media(features(1, 1, 0, SOLID, false), boundaries, false);
+            let fog = with(fog, "varying", FIELDS, fields);
+            let glowing = having(lit(fog.clone(), 1, false), &["medium_emission"]);
+            let fire = having(glowing.clone(), &["blackbody"]);
+            found.extend([fog.clone(), lit(fog.clone(), 1, true), moving(fire.clone(), false), glowing, fire]);
+        }
+    }
+    found.push(having(with_media(features(0, 0, 0, SOLID, false), 1, false), &["medium_emission"]));
+    let of_all = having(everything(), &["medium_emission", "blackbody"]);
+    found.push(with(of_all, "varying", FIELDS, all(FIELDS)));
     // Surfaces that emit and scatter: by chance alone, sampled, and beside other lights.
     for set in [1, materials] {
         let own = emissive(features(1, set, 0, SOLID, false));
@@ -1127,6 +1141,8 @@ fn every_pair_of_facts_is_valid() {
             ("textured_light", "texture"),
             ("textured_pane", "texture"),
             ("moving_medium", "boundary_moves"),
+            ("medium_emission", "boundary"),
+            ("blackbody", "boundary"),
         ] {
             if found.any(group).is_none() {
                 found.forget(fact);
