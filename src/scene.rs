@@ -17,6 +17,7 @@ mod gltf;
 mod gltf_options;
 mod gltf_path;
 mod grid_files;
+mod grids;
 mod image_files;
 mod imported;
 mod inputs;

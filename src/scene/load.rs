@@ -22,7 +22,7 @@ use super::recover::{Parts, parts_of};
 use super::sky::SKY;
 use super::types::*;
 use super::write::relative;
-use super::{gltf, grid_files, image_files, mesh_files, validate};
+use super::{gltf, grids, image_files, mesh_files, validate};
 use crate::error::{Error, Result};
 use crate::printable::one_line;
 use crate::shape::Aabb;
@@ -325,7 +325,7 @@ fn finish(scene: &mut Scene, mut findings: Findings, progress: &mut OnProgress, 
     let reading = if findings.is_empty() { Reading::Complete } else { Reading::IfThere };
     scene.bitmaps = image_files::load_all(scene, reading, &mut findings, assets);
     scene.meshes = mesh_files::load_all(scene, reading, &mut findings, progress, assets);
-    scene.grids = grid_files::load_all(scene, reading, &mut findings, assets);
+    scene.grids = grids::load_all(scene, reading, &mut findings, assets);
     assets.close();
     if findings.is_empty() && !scene.meshes.is_empty() {
         // Again, now that the meshes are known.

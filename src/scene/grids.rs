@@ -1,4 +1,4 @@
-//! Grids of numbers from files.
+//! The grids of a scene.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::assets::Assets;
 use super::file::{self, Reading};
 use super::findings::Findings;
+use super::grid_files;
 use super::model::Scene;
 use super::types::Object;
 use crate::source::ValuePath;
@@ -32,7 +33,7 @@ pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings, assets
             (Reading::IfThere, _) => file::find(&file, "grid", file::LONGEST).map(|_| None),
             (Reading::Complete, Some(grid)) => Ok(Some(grid)),
             (Reading::Complete, None) => {
-                let read = file::read(&file, "grid", file::LONGEST).and_then(|bytes| read(&bytes, name, room));
+                let read = file::read(&file, "grid", file::LONGEST).and_then(|bytes| grid_files::read(&bytes, name, room));
                 read.map(|grid| Some(Arc::new(grid)))
             }
         };
@@ -53,31 +54,4 @@ pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings, assets
         }
     });
     grids
-}
-
-fn read(bytes: &[u8], _name: &str, _most_bytes: usize) -> Result<Grid, String> {
-    use crate::volume::grid::Leaf;
-    use glam::*;
-    let text = String::from_utf8_lossy(bytes);
-    let n: Vec<f64> = text.split_whitespace().map(|x| x.parse().unwrap()).collect();
-    let (dx, dy, dz) = (n[0] as i32, n[1] as i32, n[2] as i32);
-    let o = IVec3::new(n[3] as i32, n[4] as i32, n[5] as i32);
-    let mut grid =
-        Grid { background: n[7] as f32, to_own: DAffine3::from_scale(DVec3::splat(n[6])), ..Default::default() };
-    grid.active = Some((o, o + IVec3::new(dx, dy, dz) - 1));
-    let mut leaves: std::collections::BTreeMap<[i32; 3], Box<[f32; 512]>> = Default::default();
-    for x in 0..dx {
-        for y in 0..dy {
-            for z in 0..dz {
-                let v = n[8 + ((x * dy + y) * dz + z) as usize] as f32;
-                let p = o + IVec3::new(x, y, z);
-                let l = p.map(|c| c.div_euclid(8) * 8);
-                let w = p - l;
-                leaves.entry(l.to_array()).or_insert_with(|| Box::new([n[7] as f32; 512]))
-                    [(w.x * 64 + w.y * 8 + w.z) as usize] = v;
-            }
-        }
-    }
-    grid.leaves = leaves.into_iter().map(|(lower, values)| Leaf { lower: lower.into(), values }).collect();
-    Ok(grid)
 }
