@@ -101,6 +101,8 @@ mod texture;
 mod threads;
 #[doc(hidden)]
 pub mod tradeoff;
+#[cfg_attr(not(test), expect(dead_code, reason = "the media that have grids come next"))]
+mod volume;
 
 pub use error::{Error, Location, Result};
 pub use film::Picture;

@@ -1,0 +1,3 @@
+//! What fills space: grids of densities.
+
+pub mod grid;
