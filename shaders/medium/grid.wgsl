@@ -4,7 +4,7 @@
 //@ use medium/most_steps
 //@ relies on loops
 // Grids of numbers. A grid is a lattice of tiles of 8 x 8 x 8 bricks of 8 x 8 x 8 cells, which lie between voxels. At its first word it has an
-// entry of two words for each tile, x first: the index of the words for the tile's bricks, and the largest value there. Each brick has such an
+// entry of three words for each tile, x first: the index of the words for the tile's bricks, the least and the largest value. Each brick has such an
 // entry with the index of its texels. Where that index is 0, all of it has one value. Indices count from the grid's first word. A brick has
 // 9 x 9 x 9 texels, z first, so that neighbours share those on their faces; a texel is a share of the brick's largest value.
 
@@ -17,24 +17,27 @@ struct GridPart {
     size: i32,
     // The index of its texels, or 0 if all of it has the value `bound`.
     texels: u32,
-    // The largest value.
+    // The least value and the largest one.
+    least: f32,
     bound: f32,
 }
 
 fn part_of_grid(field: ScalarField, brick: vec3<i32>) -> GridPart {
     let tile = brick / BRICKS_OF_TILE;
     let at = vec3<u32>(tile);
-    let of_tile = field.first + 2u * (at.x + field.tiles.x * (at.y + field.tiles.y * at.z));
+    let of_tile = field.first + 3u * (at.x + field.tiles.x * (at.y + field.tiles.y * at.z));
     let of_bricks = bricks[of_tile];
     if of_bricks == 0u {
         let size = CELLS_OF_BRICK * BRICKS_OF_TILE;
-        return GridPart(tile * size, size, 0u, bitcast<f32>(bricks[of_tile + 1u]));
+        let value = bitcast<f32>(bricks[of_tile + 1u]);
+        return GridPart(tile * size, size, 0u, value, value);
     }
     let within = vec3<u32>(brick - tile * BRICKS_OF_TILE);
-    let of_brick = field.first + of_bricks + 2u * (within.x + 8u * (within.y + 8u * within.z));
+    let of_brick = field.first + of_bricks + 3u * (within.x + 8u * (within.y + 8u * within.z));
     let texels = bricks[of_brick];
-    let bound = bitcast<f32>(bricks[of_brick + 1u]);
-    return GridPart(brick * CELLS_OF_BRICK, CELLS_OF_BRICK, select(0u, field.first + texels, texels != 0u), bound);
+    let least = bitcast<f32>(bricks[of_brick + 1u]);
+    let bound = bitcast<f32>(bricks[of_brick + 2u]);
+    return GridPart(brick * CELLS_OF_BRICK, CELLS_OF_BRICK, select(0u, field.first + texels, texels != 0u), least, bound);
 }
 
 fn texel_of_brick(texels: u32, index: u32) -> f32 {
@@ -191,9 +194,9 @@ fn unit_of_words(words: vec2<u32>) -> f32 {
 // Below this share, roulette ends the estimate or raises it to this.
 const LEAST_THROUGH: f32 = 0.125;
 
-// An estimate of the share of light that passes the grid from inside.x to inside.y, by ratio tracking: Novak, Selle and Jarosz, "Residual ratio
-// tracking for estimating attenuation in participating media", ACM TOG 33(6), 2014. What has one value passes the share that it should.
-// WALK_CUT if the walk took too many steps.
+// An estimate of the share of light that passes the grid from inside.x to inside.y, by residual ratio tracking: Novak, Selle and Jarosz,
+// "Residual ratio tracking for estimating attenuation in participating media", ACM TOG 33(6), 2014. The least density of a part passes exactly what
+// it should; tentative events are those of the rest. WALK_CUT if the walk took too many steps.
 fn share_through_grid(
     field: ScalarField,
     ray: Ray,
@@ -208,19 +211,18 @@ fn share_through_grid(
     var walk = begin_grid_walk(field, ray, within);
     while walk.t < walk.end {
         let part = part_of_grid(field, walk.brick);
-        let bound = field.scale * part.bound;
         let end = end_of_part(walk, part);
-        if part.texels == 0u {
-            depth += (end - walk.t) * bound;
-            walk.t = end;
-        }
+        depth += (end - walk.t) * field.scale * part.least;
+        let rest = part.bound - part.least;
+        let bound = field.scale * rest;
         while left < (end - walk.t) * bound {
             walk.t += left / bound;
             *steps += 1u;
             if *steps >= MOST_STEPS_OF_CROSSINGS {
                 return WALK_CUT;
             }
-            through *= 1.0 - share_in_part(part, position_of_walk(walk));
+            let share = (share_in_part(part, position_of_walk(walk)) * part.bound - part.least) / rest;
+            through *= 1.0 - max(share, 0.0);
             if through < LEAST_THROUGH {
                 if !(unit_of_words((*words).zw) * LEAST_THROUGH < through) {
                     return 0.0;

@@ -33,7 +33,8 @@ pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings, assets
             (Reading::IfThere, _) => file::find(&file, "grid", file::LONGEST).map(|_| None),
             (Reading::Complete, Some(grid)) => Ok(Some(grid)),
             (Reading::Complete, None) => {
-                let read = file::read(&file, "grid", file::LONGEST).and_then(|bytes| grid_files::read(&bytes, name, room));
+                let read =
+                    file::read(&file, "grid", file::LONGEST).and_then(|bytes| grid_files::read(&bytes, name, room));
                 read.map(|grid| Some(Arc::new(grid)))
             }
         };

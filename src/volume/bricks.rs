@@ -17,8 +17,10 @@ pub const TILE: i32 = 64;
 const BRICKS: i32 = TILE / BRICK;
 /// The texels of a brick along an edge.
 const TEXELS: i32 = BRICK + 1;
-/// The most tiles: their entries take 64 MiB.
+/// The most tiles: their entries take 96 MiB.
 const MOST_TILES: i64 = 1 << 23;
+/// The words of the entry of a tile or a brick.
+const ENTRY: usize = 3;
 
 /// A grid as kernels read it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -55,20 +57,22 @@ impl Grid {
         };
         let voxels = Voxels::of(self);
         let (lower, tiles) = (lower.as_ivec3(), tiles.as_ivec3());
-        let mut made = Made { words: vec![0; 2 * count as usize], largest: self.background.max(0.0) };
-        let plain = entry_of(0, self.background.max(0.0));
-        made.words.chunks_exact_mut(2).for_each(|entry| entry.copy_from_slice(&plain));
+        let plain = self.background.max(0.0);
+        let mut made = Made { words: vec![0; ENTRY * count as usize], largest: plain };
+        let plain = entry_of(0, [plain; 2]);
+        made.words.chunks_exact_mut(ENTRY).for_each(|entry| entry.copy_from_slice(&plain));
         for tile in voxels.touched(lower, tiles) {
-            let at = 2 * (tile.x + tiles.x * (tile.y + tiles.y * tile.z)) as usize;
+            let at = ENTRY * (tile.x + tiles.x * (tile.y + tiles.y * tile.z)) as usize;
             let entry = made.add_tile(&voxels, lower + tile * TILE);
-            made.words[at..at + 2].copy_from_slice(&entry);
+            made.words[at..at + ENTRY].copy_from_slice(&entry);
         }
         Ok(Some(Bricks { tiles, lower, words: made.words, largest: made.largest }))
     }
 }
 
-fn entry_of(index: u32, bound: f32) -> [u32; 2] {
-    [index, bound.to_bits()]
+/// Its words: an index, and the least and the largest value.
+fn entry_of(index: u32, [least, largest]: [f32; 2]) -> [u32; ENTRY] {
+    [index, least.to_bits(), largest.to_bits()]
 }
 
 /// The words that are made.
@@ -79,27 +83,28 @@ struct Made {
 
 impl Made {
     /// Adds the bricks of a tile whose lower corner is this voxel. Returns its entry.
-    fn add_tile(&mut self, voxels: &Voxels<'_>, lower: IVec3) -> [u32; 2] {
+    fn add_tile(&mut self, voxels: &Voxels<'_>, lower: IVec3) -> [u32; ENTRY] {
         let begin = self.words.len();
-        self.words.resize(begin + 2 * (BRICKS * BRICKS * BRICKS) as usize, 0);
+        self.words.resize(begin + ENTRY * (BRICKS * BRICKS * BRICKS) as usize, 0);
         let mut texels = [0.0; (TEXELS * TEXELS * TEXELS) as usize];
-        let (mut same, mut largest) = (true, 0f32);
+        let (mut same, mut bounds) = (true, [f32::INFINITY, 0.0]);
         for index in 0..BRICKS * BRICKS * BRICKS {
             let brick = IVec3::new(index % BRICKS, index / BRICKS % BRICKS, index / BRICKS / BRICKS);
             let one = voxels.fill(lower + brick * BRICK, &mut texels);
-            let bound = texels.iter().fold(0f32, |most, value| most.max(*value));
-            let entry = entry_of(if one { 0 } else { self.add_texels(&texels, bound) }, bound);
-            let at = begin + 2 * index as usize;
-            self.words[at..at + 2].copy_from_slice(&entry);
-            same &= self.words[at..at + 2] == self.words[begin..begin + 2];
-            largest = largest.max(bound);
+            let own =
+                texels.iter().fold([f32::INFINITY, 0.0], |[least, most], value| [least.min(*value), most.max(*value)]);
+            let entry = entry_of(if one { 0 } else { self.add_texels(&texels, own[1]) }, own);
+            let at = begin + ENTRY * index as usize;
+            self.words[at..at + ENTRY].copy_from_slice(&entry);
+            same &= self.words[at..at + ENTRY] == self.words[begin..begin + ENTRY];
+            bounds = [bounds[0].min(own[0]), bounds[1].max(own[1])];
         }
-        self.largest = self.largest.max(largest);
+        self.largest = self.largest.max(bounds[1]);
         if same && self.words[begin] == 0 {
             self.words.truncate(begin);
-            return entry_of(0, largest);
+            return entry_of(0, bounds);
         }
-        entry_of(begin as u32, largest)
+        entry_of(begin as u32, bounds)
     }
 
     /// Returns the index of their first word.

@@ -48,4 +48,5 @@ pub mod sweeps;
 pub mod tables;
 pub mod trace;
 pub mod triangles;
+pub mod vdb;
 pub mod vectors;

@@ -2,10 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A grid whose voxels in a box are active, from the first to the last, inclusive.
+/// A grid whose voxels in these boxes are active, from the first to the last, inclusive.
 pub struct TestGrid<'a> {
-    pub first: [i32; 3],
-    pub last: [i32; 3],
+    pub boxes: &'a [[[i32; 3]; 2]],
     pub background: f32,
     /// The rows of the matrix that takes (i, j, k, 1), as a row, to the space of the medium.
     pub map: [[f64; 4]; 4],
@@ -62,15 +61,16 @@ pub fn vdb(grids: &[(&str, TestGrid<'_>)]) -> Vec<u8> {
 /// Adds a grid. Returns where its values begin.
 fn add_grid(out: &mut Vec<u8>, grid: &TestGrid<'_>) -> u64 {
     let mut leaves = BTreeMap::<[i32; 3], (Vec<f32>, Vec<u8>)>::new();
-    for x in grid.first[0]..=grid.last[0] {
-        for y in grid.first[1]..=grid.last[1] {
-            for z in grid.first[2]..=grid.last[2] {
-                let at = corner([x, y, z], 8);
-                let (values, active) = leaves.entry(at).or_insert((vec![grid.background; 512], vec![0; 64]));
-                let index = ((x - at[0]) * 64 + (y - at[1]) * 8 + z - at[2]) as usize;
-                values[index] = (grid.value)([x, y, z]);
-                active[index / 8] |= 1 << (index % 8);
-            }
+    for [first, last] in grid.boxes {
+        let along = |axis: usize| first[axis]..=last[axis];
+        let voxels = along(0).flat_map(|x| along(1).flat_map(move |y| along(2).map(move |z| [x, y, z])));
+        for voxel in voxels {
+            let at = corner(voxel, 8);
+            let (values, active) = leaves.entry(at).or_insert((vec![grid.background; 512], vec![0; 64]));
+            let [x, y, z] = [0, 1, 2].map(|axis| voxel[axis] - at[axis]);
+            let index = (x * 64 + y * 8 + z) as usize;
+            values[index] = (grid.value)(voxel);
+            active[index / 8] |= 1 << (index % 8);
         }
     }
     // No compression, no metadata, an affine map, one buffer.

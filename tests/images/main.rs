@@ -45,6 +45,7 @@ mod thin_faces;
 mod trade_offs;
 mod truth;
 mod uv_sets;
+mod varying_media;
 mod vertex_colours;
 mod walk;
 mod warnings;
