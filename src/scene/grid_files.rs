@@ -12,6 +12,7 @@ mod tree;
 use glam::{DAffine3, DMat4, DQuat};
 
 use super::nearest::{meant, one_of};
+use crate::printable::quote;
 use crate::volume::grid::Grid;
 use input::Input;
 use packed::Coding;
@@ -33,7 +34,8 @@ pub fn read(bytes: &[u8], name: &str, most_bytes: usize) -> Result<Grid> {
     let index = names.iter().position(|shown| shown == name);
     let index = index.or_else(|| entries.iter().position(|entry| entry.name.split(SEPARATOR).next() == Some(name)));
     let entry = index.and_then(|index| entries.get(index)).ok_or_else(|| {
-        let names = || names.iter().map(String::as_str);
+        // Those of a damaged file may be very long.
+        let names = || names.iter().map(|name| name.get(..100).unwrap_or(name));
         let (expected, meant) = (one_of(names(), "the file has no grids"), meant(name, names()));
         format!("there is no grid {name:?}: {expected}{meant}")
     })?;
@@ -41,7 +43,7 @@ pub fn read(bytes: &[u8], name: &str, most_bytes: usize) -> Result<Grid> {
     let to_own = map(&mut tree)?;
     if !entry.parent.is_empty() {
         let parent = entries.iter().find(|other| other.name == entry.parent && other.parent.is_empty());
-        let missing = || format!("its values are those of the grid {:?}, which is missing: save it anew", entry.parent);
+        let missing = || format!("it has the values of {}, which is missing: save it anew", quote(&entry.parent));
         (tree, coding) = parent.ok_or_else(missing)?.open(bytes)?;
         map(&mut tree)?;
     }
@@ -63,7 +65,7 @@ impl Entry {
     /// What begins with the grid's map, and how its values are stored.
     fn open<'a>(&self, bytes: &'a [u8]) -> Result<(Input<'a>, Coding)> {
         if ![FLOATS, HALVES].contains(&self.kind.as_str()) {
-            return Err(format!("its type is {:?}, expected {FLOATS:?}: save it as a FloatGrid", self.kind));
+            return Err(format!("its type is {}, expected {FLOATS:?}: save it as a FloatGrid", quote(&self.kind)));
         }
         let mut input = Input { bytes, rest: bytes };
         input.seek(self.start)?;
@@ -119,7 +121,7 @@ fn map(input: &mut Input) -> Result<DAffine3> {
         "TranslationMap" => DAffine3::from_translation(input.read::<[f64; 3]>()?.into()),
         // OpenVDB multiplies rows: what are rows to it are columns here.
         "AffineMap" | "UnitaryMap" => DAffine3::from_mat4(DMat4::from_cols_array(&input.read()?)),
-        _ => return Err(format!("its map is {name:?}, expected a linear one: resample it to a uniform grid")),
+        _ => return Err(format!("its map is {}, expected a linear one: resample it to a uniform grid", quote(&name))),
     };
     match map.is_finite() && map.matrix3.determinant() != 0.0 && map.inverse().is_finite() {
         true => Ok(map),

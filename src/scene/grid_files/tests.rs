@@ -123,6 +123,21 @@ fn every_kind_of_inactive_values_is_read_with_zip_and_without_compression() {
 }
 
 #[test]
+fn the_cloud_of_the_scenes_is_dense_within_and_thin_at_the_rim() {
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/meshes/cloud.vdb"));
+    let cloud = read(&std::fs::read(path).unwrap(), "density", 2 << 20).unwrap();
+    let (first, last) = cloud.active.unwrap();
+    let ends = [first, last].map(|voxel| cloud.to_own.transform_point3(voxel.as_dvec3()));
+    assert_eq!(ends[0], -ends[1]);
+    assert!(ends[1].x > 0.9 && ends[1].x < 1.0, "{ends:?}");
+    let values = || cloud.leaves.iter().flat_map(|leaf| leaf.values.iter());
+    assert!(values().all(|value| (0.0..=1.0).contains(value)));
+    let count = |range: std::ops::Range<f32>| values().filter(|value| range.contains(value)).count();
+    let (rim, inner) = (count(1e-6..0.5), count(0.5..2.0));
+    assert!(rim > 40_000 && inner > 80_000, "{rim} {inner}");
+}
+
+#[test]
 fn a_grid_is_found_by_its_name_and_its_number() {
     let value = |name| grid("several.vdb", name).leaves[0].values.iter().fold(0.0, |all: f32, value| all.max(*value));
     assert_eq!([value("density"), value("density[0]"), value("density[1]")], [4.0, 4.0, 5.0]);
@@ -206,7 +221,7 @@ fn a_tree_that_is_shared_with_no_grid_is_refused() {
     // The parent is the last of the texts of the second descriptor.
     let blosc = replaced(&file("blosc.vdb"), b"\x07\0\0\0density", b"\x07\0\0\0densitx");
     let message = read(&blosc, "shared", MOST).unwrap_err();
-    assert_eq!(message, "its values are those of the grid \"density\", which is missing: save it anew");
+    assert_eq!(message, "it has the values of \"density\", which is missing: save it anew");
 }
 
 #[test]
