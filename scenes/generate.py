@@ -769,6 +769,152 @@ Scene(
 """
     ).encode()
 
+# --- the cloud --------------------------------------------------------------------------------------------------------
+
+CLOUD_SEED = 1802
+CLOUD_SIDE = 128
+CLOUD_VOXEL = 1.0 / 64.0
+# Centres and radii of the large heaps; smaller ones grow on their upper sides.
+CLOUD_HEAPS = (
+    (0.00, -0.12, 0.00, 0.42), (-0.40, -0.14, 0.08, 0.35), (0.44, -0.10, -0.06, 0.34), (0.17, 0.16, 0.04, 0.33),
+    (-0.20, 0.10, -0.10, 0.34), (0.12, -0.22, 0.29, 0.30), (-0.10, -0.20, -0.31, 0.30), (0.72, -0.27, 0.06, 0.20),
+    (-0.72, -0.28, 0.00, 0.21), (0.24, 0.36, 0.00, 0.24), (-0.14, 0.30, 0.05, 0.20), (0.44, 0.14, 0.10, 0.20),
+)  # fmt: skip
+
+
+def cloud_heaps():
+    """The spheres of the cloud: the large heaps, and two generations of smaller ones on them."""
+    random = Random(CLOUD_SEED)
+    spheres, parents = [], list(CLOUD_HEAPS)
+    for count in (9, 4):
+        spheres += parents
+        children = []
+        for x, y, z, radius in parents:
+            for _ in range(count):
+                out = unit([random(-1.0, 1.0), random(-0.35, 1.0), random(-1.0, 1.0)])
+                part = random(0.28, 0.5)
+                children.append((*add([x, y, z], out, (1.0 - 0.35 * part) * radius), part * radius))
+        parents = children
+    return spheres + parents
+
+
+def cloud_depths():
+    """How deep each voxel is in the spheres, below 0 outside: rows of z, by x and y."""
+    side, voxel, margin = CLOUD_SIDE, CLOUD_VOXEL, 0.12
+    rows = [[[-1.0] * side for _ in range(side)] for _ in range(side)]
+    for *centre, radius in cloud_heaps():
+        reach = radius + margin
+        lows = [max(math.ceil((c - reach) / voxel) + side // 2, 0) for c in centre]
+        highs = [min(math.floor((c + reach) / voxel) + side // 2 + 1, side) for c in centre]
+        along = [[((i - side // 2) * voxel - c) ** 2 for i in range(low, high)] for c, low, high in zip(centre, lows, highs)]
+        for x, xx in enumerate(along[0], lows[0]):
+            for y, yy in enumerate(along[1], lows[1]):
+                if xx + yy < reach * reach:
+                    row, r, c = rows[x][y], xx + yy, slice(lows[2], highs[2])
+                    row[c] = [max(a, radius - math.sqrt(r + zz)) for a, zz in zip(row[c], along[2])]
+    return rows
+
+
+def gradients(cells, seed):
+    """A gradient for each corner of a lattice of so many cells along an edge."""
+    random = Random(seed)
+    return [[[[random(-1.0, 1.0) for _ in range(3)] for _ in range(cells + 1)] for _ in range(cells + 1)] for _ in range(cells + 1)]
+
+
+def gradient_noise_row(lattice, x, y, steps):
+    """Perlin's noise along z, at cells (x, y) of a lattice. `steps` are the cell, the place in it and its weight for each sample."""
+    i, j = int(x), int(y)
+    u, v = x - i, y - j
+    a, b = (t * t * t * (t * (6.0 * t - 15.0) + 10.0) for t in (u, v))
+    corners = [
+        (lattice[i + p][j + q], u - p, v - q, (a if p else 1.0 - a) * (b if q else 1.0 - b)) for p in (0, 1) for q in (0, 1)
+    ]
+    across, slopes = [], []
+    for k in range(len(lattice)):
+        across.append(sum(w * (g[k][0] * s + g[k][1] * t) for g, s, t, w in corners))
+        slopes.append(sum(w * g[k][2] for g, _, _, w in corners))
+    return [
+        (1.0 - w) * (across[k] + slopes[k] * z) + w * (across[k + 1] + slopes[k + 1] * (z - 1.0)) for k, z, w in steps
+    ]
+
+
+def cloud_densities():
+    """Densities from 0 to 1: the depth in the spheres, which billows move in and out, and a flat base."""
+    side, voxel = CLOUD_SIDE, CLOUD_VOXEL
+    depths = cloud_depths()
+    octaves = []
+    for octave, (cells, amplitude) in enumerate(((9, 0.10), (19, 0.055), (37, 0.022))):
+        steps = []
+        for z in range(side):
+            at = (z + 0.5) * cells / side
+            t = at - int(at)
+            steps.append((int(at), t, t * t * t * (t * (6.0 * t - 15.0) + 10.0)))
+        octaves.append((gradients(cells, CLOUD_SEED + 1 + octave), cells / side, amplitude, steps))
+    for x in range(side):
+        for y in range(side):
+            row = depths[x][y]
+            if max(row) < -0.12:
+                depths[x][y] = None
+                continue
+            for lattice, scale, amplitude, steps in octaves:
+                noise = gradient_noise_row(lattice, (x + 0.5) * scale, (y + 0.5) * scale, steps)
+                # Round outwards and sharp inwards.
+                row = [depth + amplitude * (2.5 * abs(n) - 0.5) for depth, n in zip(row, noise)]
+            base = 0.6 * ((y - side // 2) * voxel + 0.42)
+            ramp = [min(max(min(depth, base + 0.2 * depth) / 0.09, 0.0), 1.0) for depth in row]
+            depths[x][y] = [round(256.0 * t * t * (3.0 - 2.0 * t)) / 256.0 for t in ramp]
+    return depths
+
+
+def vdb_text(text):
+    return struct.pack("<I", len(text)) + text.encode()
+
+
+def vdb_values(values):
+    """The bytes of halves, zipped if that makes them smaller."""
+    if not values:
+        return b""
+    data = struct.pack(f"<{len(values)}e", *values)
+    small = zlib.compress(data, 9)
+    return struct.pack("<q", len(small)) + small if len(small) < len(data) else struct.pack("<q", -len(data)) + data
+
+
+def vdb_mask(bits, count):
+    return sum(1 << bit for bit in bits).to_bytes(count // 8, "little")
+
+
+def cloud():
+    """An OpenVDB file of version 224, zipped, of halves: a root, one node of nodes, one node of leaves, and the leaves that are not empty."""
+    rows = cloud_densities()
+    leaves, children, voxels = [], [], []
+    for place in range(16**3):
+        corner = [8 * (place >> shift & 15) for shift in (8, 4, 0)]
+        block = [rows[corner[0] + i][corner[1] + j] for i in range(8) for j in range(8)]
+        values = [value for row in block for value in (row[corner[2] : corner[2] + 8] if row else [0.0] * 8)]
+        active = [i for i, value in enumerate(values) if value > 0.0]
+        if active:
+            children.append(place)
+            leaves.append((vdb_mask(active, 512), vdb_values([values[i] for i in active])))
+            voxels += [[c + (i >> s & 7) for c, s in zip(corner, (6, 3, 0))] for i in active]
+    middle = [0.5 * (min(axis) + max(axis)) for axis in zip(*voxels)]
+    scale = [CLOUD_VOXEL] * 6 + [1.0 / CLOUD_VOXEL] * 3 + [CLOUD_VOXEL**-2] * 3 + [0.5 / CLOUD_VOXEL] * 3
+    tree = struct.pack("<ifII3i", 1, 0.0, 0, 1, 0, 0, 0)
+    for place, count in (([0], 32**3), (children, 16**3)):
+        # No tile is active, so that no value of one is stored.
+        tree += vdb_mask(place, count) + vdb_mask([], count) + b"\0"
+    tree += b"".join(mask for mask, _ in leaves) + b"".join(mask + b"\0" + values for mask, values in leaves)
+    facts = {"class": ("string", b"fog volume"), "is_saved_as_half_float": ("bool", b"\1"), "name": ("string", b"density")}
+    grid = struct.pack("<II", 3, len(facts))
+    for name, (kind, value) in facts.items():
+        grid += vdb_text(name) + vdb_text(kind) + struct.pack("<I", len(value)) + value
+    blocks = vdb_text("UniformScaleTranslateMap") + struct.pack("<18d", *[-CLOUD_VOXEL * m for m in middle], *scale)
+    head = b" BDV\0\0\0\0" + struct.pack("<IIIB", 224, 12, 0, 1) + b"00000000-0000-0000-0000-000000000000"
+    head += struct.pack("<II", 0, 1) + vdb_text("density") + vdb_text("Tree_float_5_4_3_HalfFloat") + vdb_text("")
+    start, end = len(head) + 24, len(head) + 24 + len(grid) + len(blocks) + len(tree)
+    leaf_bytes = sum(len(mask) + 1 + len(values) for mask, values in leaves)
+    return head + struct.pack("<3q", start, end - leaf_bytes, end) + grid + blocks + tree
+
+
 # --- lights.ron -------------------------------------------------------------------------------------------------------
 
 LIGHTS_SEED = 1895
@@ -894,6 +1040,7 @@ FILES = {
     "meshes/hill.ply": hill,
     "meshes/fir.ply": fir,
     "meshes/birch.ply": birch,
+    "meshes/cloud.vdb": cloud,
 }
 
 

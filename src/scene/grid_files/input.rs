@@ -1,5 +1,7 @@
 //! The bytes of a file, read from front to back.
 
+use bytemuck::AnyBitPattern;
+
 use super::Result;
 
 pub struct Input<'a> {
@@ -15,10 +17,6 @@ impl<'a> Input<'a> {
         Ok(())
     }
 
-    pub fn position(&self) -> u64 {
-        (self.bytes.len() - self.rest.len()) as u64
-    }
-
     pub fn take(&mut self, count: usize) -> Result<&'a [u8]> {
         let missing = || format!("expected {count} more bytes, found {}: it is not complete", self.rest.len());
         let (taken, rest) = self.rest.split_at_checked(count).ok_or_else(missing)?;
@@ -26,24 +24,14 @@ impl<'a> Input<'a> {
         Ok(taken)
     }
 
-    pub fn array<const N: usize>(&mut self) -> Result<[u8; N]> {
-        let taken = self.take(N)?;
-        Ok(std::array::from_fn(|index| taken[index]))
-    }
-
-    pub fn words<const N: usize>(&mut self) -> Result<[u32; N]> {
-        let (words, _) = self.take(4 * N)?.as_chunks();
-        Ok(std::array::from_fn(|index| u32::from_le_bytes(words[index])))
-    }
-
-    pub fn doubles<const N: usize>(&mut self) -> Result<[f64; N]> {
-        let (doubles, _) = self.take(8 * N)?.as_chunks();
-        Ok(std::array::from_fn(|index| f64::from_le_bytes(doubles[index])))
+    /// The next number, or the next numbers. A file has them in the order of bytes of all machines that this program runs on.
+    pub fn read<T: AnyBitPattern>(&mut self) -> Result<T> {
+        self.take(size_of::<T>()).map(bytemuck::pod_read_unaligned)
     }
 
     /// The bytes behind a number that counts them.
     pub fn counted(&mut self) -> Result<&'a [u8]> {
-        let [count] = self.words()?;
+        let count: u32 = self.read()?;
         self.take(count as usize)
     }
 

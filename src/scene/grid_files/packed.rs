@@ -37,16 +37,13 @@ impl Coding {
     pub fn values(&self, input: &mut Input, active: &[u8], values: &mut [f32]) -> Result<()> {
         // The inactive values are one number, or a mask says which of two each is. The kind says which numbers follow and whether the
         // mask does; of kind 6 all values are stored.
-        let [kind] = input.array()?;
+        let kind: u8 = input.read()?;
         let mut inactive = [if kind == 0 { self.background } else { -self.background }, self.background];
-        let follow = match kind {
-            0 | 1 | 3 | 6 => 0,
-            2 | 4 => 1,
-            5 => 2,
-            _ => return Err(format!("expected 0 to 6 before the values of a node, found {kind}: it is damaged")),
+        let Some(&follow) = [0, 0, 1, 0, 1, 2, 0].get(usize::from(kind)) else {
+            return Err(format!("expected 0 to 6 before the values of a node, found {kind}: it is damaged"));
         };
         for value in inactive.iter_mut().take(follow) {
-            *value = f32::from_le_bytes(input.array()?);
+            *value = input.read()?;
         }
         let selected = if (3..=5).contains(&kind) { input.take(active.len())? } else { &[] };
         let are_all = self.flags & ACTIVE_MASK == 0 || kind == 6;
@@ -61,28 +58,20 @@ impl Coding {
     }
 
     fn stored(&self, input: &mut Input, count: usize) -> Result<Vec<f32>> {
-        Ok(match self.is_half {
-            // Of no halves not even the size is stored.
-            true if count == 0 => Vec::new(),
-            true => {
-                let bytes = self.unpack(input, 2 * count)?;
-                bytes.as_chunks().0.iter().map(|half| f16::from_le_bytes(*half).to_f32()).collect()
-            }
-            false => {
-                let bytes = self.unpack(input, 4 * count)?;
-                bytes.as_chunks().0.iter().map(|float| f32::from_le_bytes(*float)).collect()
-            }
-        })
+        if !self.is_half {
+            let bytes = self.unpack(input, 4 * count)?;
+            return Ok(bytes.as_chunks().0.iter().map(|float| f32::from_le_bytes(*float)).collect());
+        }
+        // Of no halves not even the size is stored.
+        let bytes = if count > 0 { self.unpack(input, 2 * count)? } else { Vec::new() };
+        Ok(bytes.as_chunks().0.iter().map(|half| f16::from_le_bytes(*half).to_f32()).collect())
     }
 
     /// The next `size` bytes of values.
     fn unpack(&self, input: &mut Input, size: usize) -> Result<Vec<u8>> {
-        if self.flags & (ZIP | BLOSC) == 0 {
-            return input.take(size).map(<[u8]>::to_vec);
-        }
-        let packed = i64::from_le_bytes(input.array()?);
+        // What compression does not make smaller is stored as it is, with its size below 0.
+        let packed = if self.flags & (ZIP | BLOSC) != 0 { input.read()? } else { -(size as i64) };
         if packed <= 0 {
-            // What compression does not make smaller is stored as it is.
             same(size, packed.unsigned_abs())?;
             return input.take(size).map(<[u8]>::to_vec);
         }
@@ -112,29 +101,34 @@ fn unzip(packed: &[u8], values: &mut [u8]) -> Result<()> {
 /// Unpacks a frame of blosc 1: blocks, each of which may be split into parts (c-blosc's blosc/blosc.c, blosc_d).
 fn unpack_blosc(frame: &[u8], values: &mut [u8]) -> Result<()> {
     let mut input = Input { bytes: frame, rest: frame };
-    let [_, _, flags, type_size] = input.array()?;
-    let [size, block_size, _] = input.words()?;
+    let [_, _, flags, type_size]: [u8; 4] = input.read()?;
+    let [size, block_size, _]: [u32; 3] = input.read()?;
     same(values.len(), size.into())?;
     if flags & COPIED != 0 {
         values.copy_from_slice(input.take(values.len())?);
         return Ok(());
     }
     if flags & BITS_SHUFFLED != 0 {
-        return Err(
-            "blosc has shuffled the bits of its values: save it with OpenVDB's own blosc, or with zip".to_owned()
-        );
+        return Err("blosc has shuffled the bits of its values: save it with zip".to_owned());
     }
+    let unpack = match flags >> 5 {
+        1 => unpack_lz4,
+        3 => unzip,
+        codec => {
+            let name = ["BloscLZ", "", "Snappy", "", "Zstandard"].get(usize::from(codec)).unwrap_or(&"a new codec");
+            return Err(format!("blosc has packed its values with {name}, expected LZ4 or zlib: save it with zip"));
+        }
+    };
     let (type_size, block_size) = (usize::from(type_size).max(1), (block_size as usize).max(1));
     for block in values.chunks_mut(block_size) {
         let mut parts = Input { bytes: frame, rest: frame };
-        let [start] = input.words()?;
-        parts.seek(start.into())?;
+        parts.seek(input.read::<u32>()?.into())?;
         let can_split = flags & NOT_SPLIT == 0 && type_size <= 16 && block_size / type_size >= 128;
         let count = if can_split && block.len() == block_size { type_size } else { 1 };
         for part in block.chunks_mut(block.len() / count) {
             match parts.counted()? {
                 stored if stored.len() == part.len() => part.copy_from_slice(stored),
-                packed => unpack_part(flags >> 5, packed, part)?,
+                packed => unpack(packed, part)?,
             }
         }
         if flags & SHUFFLED != 0 {
@@ -144,18 +138,9 @@ fn unpack_blosc(frame: &[u8], values: &mut [u8]) -> Result<()> {
     Ok(())
 }
 
-fn unpack_part(codec: u8, packed: &[u8], part: &mut [u8]) -> Result<()> {
-    match codec {
-        1 => {
-            let size = lz4_flex::block::decompress_into(packed, part);
-            same(part.len(), size.map_err(|error| format!("cannot unpack its values: {error}"))? as u64)
-        }
-        3 => unzip(packed, part),
-        _ => {
-            let name = ["BloscLZ", "", "Snappy", "", "Zstandard"].get(usize::from(codec)).unwrap_or(&"a new codec");
-            Err(format!("blosc has packed its values with {name}, expected LZ4 or zlib: save it with zip"))
-        }
-    }
+fn unpack_lz4(packed: &[u8], values: &mut [u8]) -> Result<()> {
+    let size = lz4_flex::block::decompress_into(packed, values);
+    same(values.len(), size.map_err(|error| format!("cannot unpack its values: {error}"))? as u64)
 }
 
 /// Undoes that the first bytes of all values come first, then their second bytes, and so on.

@@ -14,11 +14,12 @@ const LOWER: i32 = 128;
 const UPPER: i32 = 4096;
 /// The bytes of the mask of a leaf.
 const MASK: usize = 64;
+const TOO_LARGE: &str = "its values take more memory than grids may take: save it with larger voxels";
 
 /// Reads a tree, whose leaves and tiles may take `most_bytes`.
 pub fn read(input: Input, coding: Coding, to_own: DAffine3, most_bytes: usize) -> Result<Grid> {
     let grid = Grid { background: 0.0, to_own, active: None, tiles: Vec::new(), leaves: Vec::new() };
-    let mut tree = Tree { input, coding, grid, most_bytes, taken: 0 };
+    let mut tree = Tree { input, coding, grid, room: most_bytes };
     tree.root()?;
     Ok(tree.grid)
 }
@@ -27,16 +28,15 @@ struct Tree<'a> {
     input: Input<'a>,
     coding: Coding,
     grid: Grid,
-    most_bytes: usize,
-    /// The bytes of the leaves and tiles so far.
-    taken: usize,
+    /// The bytes that are left for leaves and tiles.
+    room: usize,
 }
 
 impl Tree<'_> {
     fn root(&mut self) -> Result<()> {
         // A number of buffers comes first, which is always 1.
-        let [_, background, tiles, children] = self.input.words()?;
-        let background = f32::from_bits(background);
+        let (_, background): (u32, f32) = (self.input.read()?, self.input.read()?);
+        let [tiles, children]: [u32; 2] = self.input.read()?;
         if !background.is_finite() {
             return Err(format!("its background is {background}, expected a finite number"));
         }
@@ -44,11 +44,11 @@ impl Tree<'_> {
         let mut nodes = BTreeMap::new();
         for index in 0..u64::from(tiles) + u64::from(children) {
             // On multiples of their size, boxes do not reach beyond the numbers that there are.
-            let lower = IVec3::from_array(self.input.words()?.map(u32::cast_signed)) & -UPPER;
+            let lower = self.input.read::<IVec3>()? & -UPPER;
             let mut leaves = Vec::new();
             if index < tiles.into() {
-                let ([value], [active]) = (self.input.words()?, self.input.array()?);
-                self.tile(lower, UPPER, f32::from_bits(value), active != 0)?;
+                let (value, active): (f32, u8) = (self.input.read()?, self.input.read()?);
+                self.tile(lower, UPPER, value, active != 0)?;
             } else {
                 self.node(lower, UPPER, &mut leaves)?;
             }
@@ -85,7 +85,7 @@ impl Tree<'_> {
     }
 
     fn leaf(&mut self, lower: IVec3) -> Result<()> {
-        self.charge(size_of::<Leaf>() + size_of::<[f32; 512]>())?;
+        self.room = self.room.checked_sub(size_of::<Leaf>() + size_of::<[f32; 512]>()).ok_or(TOO_LARGE)?;
         let active = self.input.take(MASK)?;
         let mut values = Box::new([0.0; 512]);
         self.coding.values(&mut self.input, active, values.as_mut_slice())?;
@@ -100,7 +100,7 @@ impl Tree<'_> {
     fn tile(&mut self, lower: IVec3, size: i32, value: f32, is_active: bool) -> Result<()> {
         self.check(lower, size, value, is_active)?;
         if value != self.grid.background {
-            self.charge(size_of::<Tile>())?;
+            self.room = self.room.checked_sub(size_of::<Tile>()).ok_or(TOO_LARGE)?;
             self.grid.tiles.push(Tile { lower, size, value });
         }
         Ok(())
@@ -116,16 +116,5 @@ impl Tree<'_> {
             self.grid.active = Some((first.min(lower), last.max(lower + (size - 1))));
         }
         Ok(())
-    }
-
-    fn charge(&mut self, bytes: usize) -> Result<()> {
-        self.taken += bytes;
-        let most = self.most_bytes as f64 / f64::from(1 << 20);
-        match self.taken <= self.most_bytes {
-            true => Ok(()),
-            false => {
-                Err(format!("its values take more than the {most} MiB that there are: save it with larger voxels"))
-            }
-        }
     }
 }
