@@ -19,6 +19,8 @@ const BRICKS: i32 = TILE / BRICK;
 const TEXELS: i32 = BRICK + 1;
 /// The most tiles: their entries take 96 MiB.
 const MOST_TILES: i64 = 1 << 23;
+/// The largest index of a voxel. Indices near it have room for the lattice of tiles.
+const FARTHEST: i64 = 1 << 30;
 /// The words of the entry of a tile or a brick.
 const ENTRY: usize = 3;
 
@@ -47,6 +49,9 @@ impl Grid {
         // Bricks begin where those of OpenVDB do, so that its tiles are whole ones.
         let lower = (first - 1).map(|x| x.div_euclid(BRICK.into()) * i64::from(BRICK));
         let tiles = (last + 1 - lower).map(|cells| cells.div_euclid(TILE.into()) + 1);
+        if first.min_element() < -FARTHEST || last.max_element() > FARTHEST {
+            return Err(format!("expected voxels with indices from {} to {FARTHEST}, found {first} to {last}", -FARTHEST));
+        }
         let count = tiles.to_array().iter().try_fold(1i64, |product, n| product.checked_mul(*n));
         let Some(count) = count.filter(|count| *count <= MOST_TILES) else {
             return Err(format!(

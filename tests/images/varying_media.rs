@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::{DAffine3, DVec3};
 use gpu_rt::scene::Scene;
 
-use crate::common::faults::{agree, are_found};
+use crate::common::faults::{Fault, agree, are_found};
 use crate::common::render::{Mean, Request, Shot, render, scene_in};
 use crate::common::vdb::{TestGrid, scaled, vdb};
 
@@ -162,15 +162,14 @@ fn to_a_floor(samples: u32, most: f64) {
         let own = scene_of(&[("density", grid(value))], camera, "Solid((0, 0, 0))", &objects);
         let shot = render(&own, &request);
         is_transmittance(name, &shot, expected, most);
-        if name == "linear" {
-            let null = "1.0 - max(share, 0.0)";
-            let faults = [
+        let faults: &[Fault<'_>] = match name {
+            "linear" => &[("medium/grid", "let local = position", "let local = select(0.0, 0.5, FAULT) + position")],
+            _ => &[
                 ("medium/grid", "field.scale * rest", "field.scale * rest * select(1.0, 0.99, FAULT)"),
-                ("medium/grid", null, "select(1.0, 0.99, FAULT) * (1.0 - max(share, 0.0))"),
-                ("medium/grid", "let local = position", "let local = select(0.0, 0.5, FAULT) + position"),
-            ];
-            are_found(name, &own, &shot, &request, &faults, 0.0);
-        }
+                ("medium/grid", "1.0 - max(share, 0.0)", "select(1.0, 0.99, FAULT) * (1.0 - max(share, 0.0))"),
+            ],
+        };
+        are_found(name, &own, &shot, &request, faults, 0.0);
     }
     let expected = (-0.2f64 * 0.9 * ((2.0f64 / 0.9).exp() - (-2.0f64 / 0.9).exp())).exp();
     let objects = format!(
