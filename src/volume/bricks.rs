@@ -50,7 +50,10 @@ impl Grid {
         let lower = (first - 1).map(|x| x.div_euclid(BRICK.into()) * i64::from(BRICK));
         let tiles = (last + 1 - lower).map(|cells| cells.div_euclid(TILE.into()) + 1);
         if first.min_element() < -FARTHEST || last.max_element() > FARTHEST {
-            return Err(format!("expected voxels with indices from {} to {FARTHEST}, found {first} to {last}", -FARTHEST));
+            return Err(format!(
+                "expected voxels with indices from {} to {FARTHEST}, found {first} to {last}",
+                -FARTHEST
+            ));
         }
         let count = tiles.to_array().iter().try_fold(1i64, |product, n| product.checked_mul(*n));
         let Some(count) = count.filter(|count| *count <= MOST_TILES) else {
