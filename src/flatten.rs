@@ -111,8 +111,8 @@ pub fn flatten_with(
     let extent = extent(view.eye, view.lens_radius(), &finder);
     let reflection = brightest_reflection(&finder, view.eye, extent);
     let emissions = emissions(scene, &finder, &models, &used);
-    let of_media = finder.media.iter().map(WorldMedium::brightest).fold(reflection, f64::max);
-    let [brightest, of_paths] = brightest(scene, &emissions).map(|radiance| radiance.max(of_media));
+    let of_media = finder.media.iter().map(WorldMedium::brightest).fold(0.0, f64::max);
+    let [brightest, of_paths] = brightest(scene, &emissions).map(|radiance| radiance.max(reflection).max(of_media));
     let search = Search::new(scene, &finder, &view, extent, brightest > 0.0, &emissions);
     let length_exponent = binary_exponent(extent);
     let space = RenderSpace { eye: view.eye, scale: exp2(-length_exponent) };
@@ -166,7 +166,7 @@ pub fn flatten_with(
     builder.add_motions(&finder, &view.to_space, options.features == FeatureSet::All);
     let sample_lights = options.integrator == Integrator::Mis;
     let not_sampled = if sample_lights { brightest_of_plain_sky(&scene.background) } else { builder.flat.brightest };
-    builder.flat.not_sampled = radiance_scale * not_sampled;
+    builder.flat.not_sampled = radiance_scale * not_sampled.max(of_media);
     // The warnings are searched for while the hierarchies are built.
     let (warnings, laid_out) = join(
         || diagnostics::warnings(&search),

@@ -30,8 +30,8 @@ declare! {
             at: f64 = number(Range::ANY, SCENE_UNITS);
             density: f64 = DENSITY.named("density", "The extinction coefficient at that height.");
         }
-        /// A grid of an OpenVDB file: clouds and smoke. Between the voxels the density is trilinear. A medium with a grid may leave out its
-        /// boundary: it is then the box of the grid's active voxels, one voxel wider on each side.
+        /// A grid of an OpenVDB file: clouds and smoke, trilinear between voxels. Without a boundary, the medium fills the box of the active voxels,
+        /// one voxel wider on each side.
         Grid: grid_of_file, "Grid(path: \"meshes/cloud.vdb\", name: \"density\", scale: 20)" {
             /// A .vdb file.
             path: String = other(PATH);
@@ -51,7 +51,7 @@ declare! {
     #[serde(deny_unknown_fields)]
     pub enum Heat {
         /// A black body of a temperature that varies: fire. Below 500 kelvins it emits nothing.
-        Blackbody: blackbody, "Blackbody(path: \"meshes/fire.vdb\", name: \"temperature\", scale: 1000, at: 1500, luminance: 3)" {
+        Blackbody: blackbody, "Blackbody(path: \"meshes/cloud.vdb\", name: \"density\", scale: 2000, at: 1500, luminance: 3)" {
             /// A .vdb file.
             path: String = other(PATH);
             /// The grid of temperatures.
@@ -63,7 +63,7 @@ declare! {
             /// The temperature of a radiance that is known.
             #[serde(default = "reference")]
             at: f64 = number(Range::from_to(heat::COLDEST, heat::HOTTEST), "kelvins").or("1500");
-            /// The luminance of that radiance. The law of black bodies has those of other temperatures, and the colours.
+            /// The luminance of that radiance.
             #[serde(default = "one")]
             luminance: f64 = number(Use::Radiance.range(), NO_UNIT).or("1");
         }

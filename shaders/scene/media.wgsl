@@ -1,4 +1,4 @@
-//@ alternative collision when !varying
+//@ implements collision when !varying
 //@ use bind/media
 //@ use medium/free_flight
 //@ use scene/at_run_time

@@ -1,4 +1,4 @@
-//@ alternative media_transmittance when !varying
+//@ implements media_transmittance when !varying
 //@ use bind/media
 //@ use choice/pose_of_boundary
 //@ use scene/at_run_time

@@ -1,4 +1,4 @@
-//@ alternative collision when varying
+//@ implements collision when varying
 //@ use bind/fields
 //@ use bind/media
 //@ use medium/free_flight

@@ -1,4 +1,4 @@
-//@ alternative media_transmittance when varying
+//@ implements media_transmittance when varying
 //@ use bind/settings
 //@ use choice/sampler
 //@ use choice/walker

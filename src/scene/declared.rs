@@ -392,14 +392,13 @@ declare! {
         {
             /// A Sphere, a Box or a closed Mesh, Transformed, Moving or not.
             @default boundary: Option<Box<Object>> = other("an object without a material").or("the box of a density that is a grid");
-            /// The extinction coefficient: light falls to 1/e over a distance of 1 / density. See Densities for those that vary.
+            /// The extinction coefficient: light falls to 1/e over a distance of 1 / density.
             density: Density = other(ANY_DENSITY);
             /// The scattered share of that light; the rest is absorbed. An `Image` is not allowed.
             albedo: Texture = texture(Use::Albedo.range());
             /// Henyey and Greenstein's g: above 0 most light is scattered forwards, below 0 back.
             @default anisotropy: f64 = number(Range::between(-1.0, 1.0), NO_UNIT).or("0");
-            /// The radiance of what absorbs light there: the medium emits this times density and 1 - albedo for each scene unit. Only paths
-            /// that reach it find it, as light sampling knows surfaces alone.
+            /// The radiance of what absorbs light there. Light sampling does not find it.
             @default emission: Option<Emission> = other(ANY_EMISSION).or("no emission");
         }
     }

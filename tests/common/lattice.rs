@@ -5,6 +5,7 @@ use image::{Rgb, RgbImage};
 
 use super::everything::{Everything, World};
 use super::render::scene_in;
+use super::vdb::{TestGrid, scaled, vdb};
 
 /// What a scene of the lattice has instead of the minimum.
 #[derive(Clone, Copy)]
@@ -101,6 +102,28 @@ const POINTS: &[Point] = &[
         GREY,
         "Medium(boundary: Transformed(by: [Scale(0.8), Translate((0.5, 0.8, 0.5))], object: Mesh(path: \"flat.obj\")), density: 2, albedo: Rgb(0.9, 0.8, 0.7)),",
     ),
+    under_a_lamp(
+        "a cloud under a lamp",
+        "",
+        "Medium(density: Grid(path: \"cloud.vdb\", scale: 6), albedo: Rgb(0.9, 0.8, 0.7), anisotropy: 0.5),",
+    ),
+    point(
+        "haze that glows",
+        DARK,
+        GREY,
+        "Medium(boundary: Box(min: (-2, 0, -1), max: (2, 1.5, 1)), density: Height(scale_height: 0.3, at: 0, density: 1), albedo: Rgb(0.5, 0.5, 0.5),
+            emission: (0.5, 1, 2)),",
+    ),
+    Point {
+        camera: MOVING,
+        ..under_a_lamp(
+            "fire in a mesh that moves",
+            "",
+            "Moving(keys: [(0, [RotateY(0), Translate((0.5, 0.8, 0.5))]), (1, [RotateY(20), Translate((0.6, 0.9, 0.5))])], object: Medium(
+                boundary: Transformed(by: [Scale(0.8)], object: Mesh(path: \"flat.obj\")), density: Grid(path: \"cloud.vdb\", scale: 6),
+                albedo: Rgb(0.2, 0.2, 0.2), emission: Blackbody(path: \"cloud.vdb\", name: \"density\", scale: 2500))),",
+        )
+    },
     point(
         "four lamps, a sky and glass",
         SKY,
@@ -247,6 +270,10 @@ impl Lattice {
         let everything = Everything::new();
         let sky = RgbImage::from_fn(8, 4, |x, y| Rgb([(x * 30) as u8, 40 + (y * 50) as u8, 250 - (y * 60) as u8]));
         sky.save(everything.folder().join("sky.png")).expect("the image is written");
+        let rough = |[x, y, z]: [i32; 3]| ((x * x + 3 * y * z + 5 * z).rem_euclid(7)) as f32 / 7.0;
+        let boxes = &[[[-6; 3], [6; 3]]];
+        let cloud = TestGrid { boxes, background: 0.0, map: scaled(0.1, [0.9, 0.5, 0.4]), value: &rough };
+        std::fs::write(everything.folder().join("cloud.vdb"), vdb(&[("density", cloud)])).expect("the file is written");
         Lattice { everything }
     }
 

@@ -319,6 +319,13 @@ fn all_bad() -> Vec<Bad> {
         bad(medium("density: 1, albedo: Rgb(1, 1, 1), anisotropy: §-1.0"), "objects[0].Medium.anisotropy", &["between -1 and 1"]),
         bad(medium("density: 1, albedo: Rgb(1, 1, 1), anisotropy: §NaN"), "objects[0].Medium.anisotropy", &["found NaN"]),
         bad(object("§Medium(density: 1, albedo: Rgb(1, 1, 1))"), "objects[0].Medium.boundary", &["boundary is missing"]),
+        bad(object("§Medium(density: Height(scale_height: 1, at: 0, density: 1), albedo: Rgb(1, 1, 1))"), "objects[0].Medium.boundary", &["boundary is missing", "a Grid(..) has a box"]),
+        bad(medium("density: Height(scale_height: §0, at: 0, density: 1), albedo: Rgb(1, 1, 1)"), "objects[0].Medium.density.Height.scale_height", &["scale_height", "greater than 0"]),
+        bad(medium("density: §\"thick\", albedo: Rgb(1, 1, 1)"), "objects[0].Medium.density", &["a number, Height(..) or Grid(..)", "found \"thick\""]),
+        bad(medium("density: §Grid(pth: \"a.vdb\"), albedo: Rgb(1, 1, 1)"), "objects[0].Medium.density", &["a number, Height(..) or Grid(..)"]),
+        bad(medium("density: Grid(path: §\"none.vdb\"), albedo: Rgb(1, 1, 1)"), "objects[0].Medium.density.Grid.path", &["folder/none.vdb", "cannot read the grid"]),
+        bad(medium("density: 1, albedo: Rgb(1, 1, 1), emission: (1, §-1, 0)"), "objects[0].Medium.emission[1]", &["radiance", "found -1"]),
+        bad(medium("density: 1, albedo: Rgb(1, 1, 1), emission: Blackbody(path: \"a.vdb\", at: §100)"), "objects[0].Medium.emission.Blackbody.at", &["from 500 to 40000"]),
         // The file.
         bad(rest("render: (samples: §0)"), "render.samples", &["from 1 to 2147483648"]),
         bad(rest("render: (samples: §2147483649)"), "render.samples", &["found 2147483649"]),

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use gpu_rt::scene::format::groups;
 use gpu_rt::scene::{
-    Background, Camera, CameraKey, Distortion, ImageSize, Material, Object, Projection, RenderDefaults, Scene, Texture,
-    Transform,
+    Background, Camera, CameraKey, Distortion, Heat, ImageSize, Material, Object, Projection, RenderDefaults, Scene,
+    Texture, Transform, Varying,
 };
 use gpu_rt::source::form::{Field, Form, Takes};
 use gpu_rt::source::{LARGEST, SMALLEST};
@@ -31,6 +31,8 @@ fn introduction(group: &str) -> &'static str {
             "Colours of materials. A texture is evaluated at a point in the object's own space, before its transforms."
         }
         "Objects" => "Shapes, and what holds them: the elements of `objects`.",
+        "Densities" => "How the density of a medium varies: in place of the number.",
+        "Emissions" => "How a medium emits, if not the same everywhere.",
         _ => "What `by` of `Transformed` lists. Rotations are right-handed about their axis.",
     }
 }
@@ -148,6 +150,8 @@ fn sample(takes: &Takes) -> &'static str {
         Takes::Other("Gltf, Linear or Smooth") => "Linear",
         Takes::Other("two numbers of seconds: (open, close)") => "(7, 8)",
         Takes::Other("an image: Image(path: ..)") => "Image(path: \"name\")",
+        Takes::Other(words) if words.starts_with("a number, Height") => "7",
+        Takes::Other(words) if words.starts_with("a colour (r, g, b)") => "(7, 8, 9)",
         Takes::Other(words) if words.starts_with("two angles") => "(7, 8)",
         Takes::Other(words) if words.starts_with("Perspective") => "Orthographic(height: 7)",
         Takes::Other(words) if words.starts_with("Equidistant") => "Equisolid",
@@ -217,6 +221,8 @@ fn the_declarations_are_those_that_are_read() {
             "Materials" => compare::<Material>(forms),
             "Textures" => compare::<Texture>(forms),
             "Objects" => compare::<Object>(forms),
+            "Densities" => compare::<Varying>(forms),
+            "Emissions" => compare::<Heat>(forms),
             "Transforms" => compare::<Transform>(forms),
             _ => panic!("{group} is compared with nothing"),
         }
@@ -263,6 +269,13 @@ fn around(group: &str, form: &Form) -> String {
         }
         ("Textures", _) => material = format!("Lambertian(albedo: {example})"),
         ("Objects", _) => object = example.to_owned(),
+        ("Densities" | "Emissions", _) => {
+            let fields = match group {
+                "Densities" => format!("density: {example}"),
+                _ => format!("density: 1, emission: {example}"),
+            };
+            object = format!("Medium(boundary: Box(min: (0, 0, 0), max: (1, 1, 1)), albedo: Rgb(0, 0, 0), {fields})");
+        }
         _ => {
             object =
                 format!("Transformed(by: [{example}], object: Box(min: (0, 0, 0), max: (1, 1, 1), material: \"matt\"))")

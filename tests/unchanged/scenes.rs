@@ -18,6 +18,6 @@ pub fn scenes() -> BTreeMap<String, PathBuf> {
         .chain(blender)
         .map(|path| (path.strip_prefix(ROOT).expect("within").with_extension("").display().to_string(), path))
         .collect();
-    assert_eq!(scenes.len(), 18 + 5 + 1 + BLENDER.len());
+    assert_eq!(scenes.len(), 19 + 5 + 1 + BLENDER.len());
     scenes
 }
