@@ -10,7 +10,7 @@
 // The inverse temperatures of the first row and of the last one, in 1/K, and the intervals between the rows.
 const FIRST_INVERSE: f32 = 2.5e-5;
 const LAST_INVERSE: f32 = 2e-3;
-const INTERVALS_OF_HEAT: f32 = 512.0;
+const INTERVALS_OF_HEAT: f32 = 2048.0;
 
 fn row_of_heat(field: ScalarField, row: u32) -> vec4<f32> {
     let at = field.heat + 4u * row;

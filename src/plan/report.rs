@@ -321,9 +321,7 @@ fn about_constant(name: &str) -> String {
     let what = match name {
         "WORKGROUP_SIZE" => "invocations per workgroup",
         "MOST_STEPS_OF_WALK" => "steps after which a walk is given up; 262144 where the driver's loops have no limit",
-        "MOST_STEPS_OF_CROSSINGS" => {
-            "steps after which the walks of a ray through meshes that bound media are given up"
-        }
+        "MOST_STEPS_OF_CROSSINGS" => "steps after which the walks of a ray through media are given up",
         "stack_size" => "most nodes that wait in a walk through the hierarchy",
         "boundary_stack_size" => "the same in a mesh that bounds a medium",
         "media" => "media that rays cross",

@@ -21,6 +21,8 @@ const TEXELS: i32 = BRICK + 1;
 const MOST_TILES: i64 = 1 << 23;
 /// The largest index of a voxel. Indices near it have room for the lattice of tiles.
 const FARTHEST: i64 = 1 << 30;
+/// The most words: 4 GiB.
+const MOST_WORDS: usize = 1 << 30;
 /// The words of the entry of a tile or a brick.
 const ENTRY: usize = 3;
 
@@ -44,6 +46,10 @@ impl Grid {
     /// # Errors
     /// The number of tiles, if it is too large.
     pub fn bricks(&self) -> Result<Option<Bricks>, String> {
+        self.bricks_within(MOST_WORDS)
+    }
+
+    fn bricks_within(&self, most_words: usize) -> Result<Option<Bricks>, String> {
         let Some((first, last)) = self.active else { return Ok(None) };
         let (first, last) = (first.as_i64vec3(), last.as_i64vec3());
         // Bricks begin where those of OpenVDB do, so that its tiles are whole ones.
@@ -71,7 +77,18 @@ impl Grid {
         made.words.chunks_exact_mut(ENTRY).for_each(|entry| entry.copy_from_slice(&plain));
         for tile in voxels.touched(lower, tiles) {
             let at = ENTRY * (tile.x + tiles.x * (tile.y + tiles.y * tile.z)) as usize;
-            let entry = made.add_tile(&voxels, lower + tile * TILE);
+            let corner = lower + tile * TILE;
+            let entry = match voxels.tile_around(corner) {
+                Some(value) => entry_of(0, [value; 2]),
+                None => made.add_tile(&voxels, corner),
+            };
+            made.largest = made.largest.max(f32::from_bits(entry[2]));
+            if made.words.len() > most_words {
+                return Err(format!(
+                    "expected a grid that takes at most {} GiB, found more: make it coarser",
+                    MOST_WORDS >> 28
+                ));
+            }
             made.words[at..at + ENTRY].copy_from_slice(&entry);
         }
         Ok(Some(Bricks { tiles, lower, words: made.words, largest: made.largest }))
@@ -107,7 +124,6 @@ impl Made {
             same &= self.words[at..at + ENTRY] == self.words[begin..begin + ENTRY];
             bounds = [bounds[0].min(own[0]), bounds[1].max(own[1])];
         }
-        self.largest = self.largest.max(bounds[1]);
         if same && self.words[begin] == 0 {
             self.words.truncate(begin);
             return entry_of(0, bounds);
@@ -184,6 +200,18 @@ impl<'a> Voxels<'a> {
         found
     }
 
+    /// The value of the tile of OpenVDB around all texels of a tile of the lattice, if one is so large.
+    fn tile_around(&self, lower: IVec3) -> Option<f32> {
+        let (first, last) = self.active;
+        let is_inside = lower.cmpge(first).all() && (lower + TILE).cmple(last).all();
+        let around = |size: &u32| {
+            let corner = lower & IVec3::splat(-1 << size);
+            let is_whole = (lower + TILE) & IVec3::splat(-1 << size) == corner;
+            self.tiles.get(&(*size, corner)).filter(|_| is_whole).map(|value| value.max(0.0))
+        };
+        self.sizes.iter().find_map(around).filter(|_| is_inside)
+    }
+
     fn block(&self, lower: IVec3) -> Block<'a> {
         if let Some(leaf) = self.leaves.get(&lower) {
             return Block::Leaf(&leaf.values);
@@ -216,5 +244,78 @@ impl<'a> Voxels<'a> {
             *texel = value.max(0.0);
         }
         texels.iter().all(|texel| *texel == texels[0])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DAffine3;
+
+    use super::*;
+    use crate::volume::grid::Tile;
+
+    /// The value at a voxel, as shaders/medium/grid reads it.
+    fn value_at(bricks: &Bricks, voxel: IVec3) -> f32 {
+        let cell = voxel - bricks.lower;
+        let tile = cell / TILE;
+        let word = |index: usize| bricks.words[index];
+        let at = ENTRY * (tile.x + bricks.tiles.x * (tile.y + bricks.tiles.y * tile.z)) as usize;
+        if word(at) == 0 {
+            return f32::from_bits(word(at + 2));
+        }
+        let brick = (cell - tile * TILE) / BRICK;
+        let at = word(at) as usize + ENTRY * (brick.x + BRICKS * (brick.y + BRICKS * brick.z)) as usize;
+        let bound = f32::from_bits(word(at + 2));
+        if word(at) == 0 {
+            return bound;
+        }
+        let within = cell % BRICK;
+        let index = ((within.x * TEXELS + within.y) * TEXELS + within.z) as usize;
+        let pair = word(word(at) as usize + index / 2);
+        f32::from((pair >> (16 * (index % 2))) as u16) / f32::from(u16::MAX) * bound
+    }
+
+    fn leaf(lower: IVec3, value: impl Fn(i32, i32, i32) -> f32) -> Leaf {
+        let values = std::array::from_fn(|i| value(i as i32 / 64, i as i32 / 8 % 8, i as i32 % 8));
+        Leaf { lower, values: Box::new(values) }
+    }
+
+    #[test]
+    fn voxels_are_those_of_the_tree_within_half_a_step() {
+        let at = IVec3::new(-16, 64, 120);
+        let grid = Grid {
+            background: 0.25,
+            to_own: DAffine3::IDENTITY,
+            active: Some((at, IVec3::new(-8, 127, 127))),
+            tiles: vec![Tile { lower: IVec3::new(-8, 64, 120), size: 8, value: 2.0 }],
+            leaves: vec![leaf(at, |x, y, z| (x + 2 * y + 3 * z) as f32)],
+        };
+        let bricks = grid.bricks().expect("it is small").expect("it is not empty");
+        assert_eq!(bricks.largest, 42.0);
+        for voxel in [[0, 0, 0], [7, 7, 7], [3, 0, 5], [8, 1, 2]].map(IVec3::from_array) {
+            let expected = if voxel.x == 8 { 2.0 } else { (voxel.x + 2 * voxel.y + 3 * voxel.z) as f32 };
+            let found = value_at(&bricks, at + voxel);
+            assert!((found - expected).abs() <= 42.0 / 131_070.0 * 1.001, "{voxel}: {found}, expected {expected}");
+        }
+        // Out of the box of the active voxels, and where the tree has nothing.
+        for voxel in [IVec3::new(-7, 64, 120), IVec3::new(-16, 90, 120), at - 1] {
+            assert!((value_at(&bricks, voxel) - 0.25).abs() < 4e-4, "{voxel}");
+        }
+    }
+
+    #[test]
+    fn tiles_take_no_texels_and_what_is_too_large_is_refused() {
+        let of = |tiles, active| Grid { tiles, active: Some(active), ..Grid::default() };
+        let tile = |x: i32, value| Tile { lower: IVec3::new(x, 0, 0), size: 128, value };
+        let one = of(vec![tile(0, 3.0)], (IVec3::ZERO, IVec3::splat(127)));
+        let bricks = one.bricks().expect("it is small").expect("it is not empty");
+        assert_eq!(value_at(&bricks, IVec3::splat(64)), 3.0);
+        // Only bricks at its faces have texels.
+        assert!(bricks.words.len() < 6 * 17 * 17 * 400, "{} words", bricks.words.len());
+        let wide = of(vec![tile(0, 3.0)], (IVec3::splat(-(1 << 29)), IVec3::splat(1 << 29)));
+        assert!(wide.bricks().is_err_and(|error| error.contains("blocks of 64")));
+        let far = of(Vec::new(), (IVec3::splat(i32::MIN), IVec3::splat(i32::MIN + 8)));
+        assert!(far.bricks().is_err_and(|error| error.contains("indices")));
+        assert!(one.bricks_within(1 << 16).is_err_and(|error| error.contains("GiB")));
     }
 }

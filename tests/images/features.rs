@@ -135,7 +135,7 @@ fn features_all_links_every_module_that_a_scene_can_need() {
                        scene/plain_pane scene/light_tree bind/light_nodes \
                        scene/media scene/media_transmittance";
         // Media whose density varies, or that emit, have kernels of their own.
-        let of_media = "bind/bricks bind/fields medium/grid medium/height scene/field scene/heat scene/varying_media \
+        let of_media = "bind/bricks bind/fields data/scalar_field medium/grid medium/height scene/field scene/heat scene/varying_media \
                         scene/varying_transmittance scene/walker step/medium_emission";
         for (name, _, plan) in plans().iter().filter(|(_, own, _)| *own == scatter) {
             for module in modules(plan) {

@@ -42,7 +42,9 @@ fn linked(light_paths: LightPaths) -> Vec<naga::Module> {
 fn linked_as(projection: &str, channel: &str, light_paths: LightPaths) -> Vec<naga::Module> {
     let mut features =
         Features::default().with_options(&RenderOptions { features: FeatureSet::All, ..RenderOptions::default() });
-    features.require("light_paths", || "a test".to_string());
+    for fact in ["light_paths", "varying.height", "varying.grid", "medium_emission", "blackbody"] {
+        features.require(fact, || "a test".to_string());
+    }
     features.require(format!("projection.{projection}"), || "a test".to_string());
     features.quantities = Quantities {
         motion_iterations: 8,
