@@ -56,7 +56,6 @@ use finder::{Finder, MovingLight, Primitive, WorldMedium, extent};
 use lamps_in_view::lamps_in_view;
 use mesh_tables::Table;
 use motion::Placement;
-use motion_tables::Motions;
 use projection::{Film, Lens};
 use view::View;
 
@@ -168,18 +167,8 @@ pub fn flatten_with(
     let not_sampled = if sample_lights { brightest_of_plain_sky(&scene.background) } else { builder.flat.brightest };
     builder.flat.not_sampled = radiance_scale * not_sampled.max(of_media);
     // The warnings are searched for while the hierarchies are built.
-    let (warnings, laid_out) = join(
-        || diagnostics::warnings(&search),
-        || {
-            builder.add_primitives(&finder.primitives);
-            let media = builder.add_media(&finder.media, radiance_scale);
-            if sample_lights && builder.flat.features.samples_light_anywhere() {
-                builder.add_lights(&finder.primitives, &finder.lights, radiance_scale);
-            }
-            builder.flat.motions = builder.motions.take().map(Motions::into_rows).unwrap_or_default();
-            media
-        },
-    );
+    let (warnings, laid_out) =
+        join(|| diagnostics::warnings(&search), || builder.add_objects(&finder, sample_lights, radiance_scale));
     laid_out?;
     let mut flat = builder.flat;
     flat.add_groups_of_materials(scene);

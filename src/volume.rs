@@ -71,7 +71,7 @@ declare! {
 }
 
 impl Varying {
-    /// Its fact (src/flatten/features.rs).
+    /// The fact that it requires (src/flatten/features.rs).
     pub fn fact(&self) -> &'static str {
         match self {
             Varying::Height { .. } => "varying.height",
@@ -98,7 +98,7 @@ fn reference() -> f64 {
 
 /// The words for a density in error messages.
 pub const ANY_DENSITY: &str = "a number, Height(..) or Grid(..)";
-/// The same for an emission.
+/// The words for an emission.
 pub const ANY_EMISSION: &str = "a colour (r, g, b) or Blackbody(..)";
 
 /// The density of a medium.

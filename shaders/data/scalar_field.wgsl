@@ -1,7 +1,7 @@
 // A number that varies in space: the density of a medium, by the index of the medium, or behind those its temperature.
 struct ScalarField {
-    // By the offset from the medium's own point, with a 1 behind it. Of a grid: the position in it, in voxels. Of a density by
-    // height: `x` is the logarithm of the density.
+    // Rows for the offset from the medium's own point, with a 1 behind it. They give the position in a grid, in voxels; for a
+    // density by height, `x` gives the logarithm of the density.
     x: vec4<f32>,
     y: vec4<f32>,
     z: vec4<f32>,
@@ -12,7 +12,7 @@ struct ScalarField {
     kind: u32,
     // The corners of the box that the grid fills, in voxels.
     low: vec3<f32>,
-    // Its first word among those of all grids (medium/grid).
+    // The grid's first word among those of all grids (medium/grid).
     first: u32,
     high: vec3<f32>,
     // The value out of the box, in the grid's unit.

@@ -95,7 +95,7 @@ fn interval_in_mesh(here: Ray, root: u32, last: ptr<function, Crossing>, limit: 
     return NO_INTERVAL;
 }
 
-// The same for the ray in render space.
+// That part of a ray in render space.
 fn next_in_mesh(ray: Ray, index: u32, pose: Pose, last: ptr<function, Crossing>, limit: f32, steps: ptr<function, u32>) -> vec2<f32> {
     let instance = moved_instance(instances[index], pose);
     return interval_in_mesh(to_mesh(instance, ray), instance.root, last, limit, steps);

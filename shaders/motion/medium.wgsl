@@ -9,7 +9,7 @@ fn offset_at_rest(medium: Medium, point: vec3<f32>) -> vec3<f32> {
     return apply_turn(inverse_turn(pose.turn), offset - pose.shift) / pose.scale;
 }
 
-// The same for a direction. Its length is that in the pose at rest.
+// A direction in the pose at rest. The length is that in the pose at rest.
 fn direction_at_rest(medium: Medium, direction: vec3<f32>) -> vec3<f32> {
     let pose = pose_of((order_of_boundary(medium.boundary) + 1u) | MOVES);
     return apply_turn(inverse_turn(pose.turn), direction) / pose.scale;

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::device_scene::DeviceScene;
 use super::features::BACKGROUNDS;
-use super::finder::{Primitive, WorldMedium};
+use super::finder::{Finder, Primitive, WorldMedium};
 use super::hierarchies::Hierarchies;
 use super::mesh_tables::Table;
 use super::motion::{Motion, in_space, similarity};
@@ -68,6 +68,20 @@ pub struct Builder<'a> {
 }
 
 impl Builder<'_> {
+    /// Lays out all that the scene has, and its motions.
+    ///
+    /// # Errors
+    /// `Error::Scene` if a grid is too large.
+    pub fn add_objects(&mut self, finder: &Finder<'_>, sample_lights: bool, radiance_scale: f64) -> Result<()> {
+        self.add_primitives(&finder.primitives);
+        self.add_media(&finder.media, radiance_scale)?;
+        if sample_lights && self.flat.features.samples_light_anywhere() {
+            self.add_lights(&finder.primitives, &finder.lights, radiance_scale);
+        }
+        self.flat.motions = self.motions.take().map(Motions::into_rows).unwrap_or_default();
+        Ok(())
+    }
+
     /// Lays out the primitives and builds the hierarchy over them.
     pub fn add_primitives(&mut self, primitives: &[Primitive<'_>]) {
         let (codes, bounds): (Vec<_>, Vec<_>) =
@@ -91,9 +105,7 @@ impl Builder<'_> {
         self.flat.features.quantities.stack_size = (bvh.stack_size + within).max(1);
     }
 
-    /// # Errors
-    /// `Error::Scene` if a grid is too large.
-    pub fn add_media(&mut self, media: &[WorldMedium<'_>], radiance_scale: f64) -> Result<()> {
+    fn add_media(&mut self, media: &[WorldMedium<'_>], radiance_scale: f64) -> Result<()> {
         let mut centers = Vec::new();
         for (index, medium) in media.iter().enumerate() {
             let order = row_of_boundary(self.flat.primitives as usize, index) as u32;

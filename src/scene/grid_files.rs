@@ -22,7 +22,7 @@ type Result<T> = std::result::Result<T, String>;
 const MAGIC: &[u8] = b" BDV\0\0\0\0";
 const FLOATS: &str = "Tree_float_5_4_3";
 const HALVES: &str = "Tree_float_5_4_3_HalfFloat";
-/// What separates the name of a grid from the number that tells it from others of this name.
+/// The character that separates the name of a grid from the number that tells it from others of this name.
 const SEPARATOR: char = '\x1e';
 const UUID: usize = 36;
 
@@ -34,7 +34,7 @@ pub fn read(bytes: &[u8], name: &str, most_bytes: usize) -> Result<Grid> {
     let index = names.iter().position(|shown| shown == name);
     let index = index.or_else(|| entries.iter().position(|entry| entry.name.split(SEPARATOR).next() == Some(name)));
     let entry = index.and_then(|index| entries.get(index)).ok_or_else(|| {
-        // Those of a damaged file may be very long.
+        // Names of a damaged file may be very long.
         let names = || names.iter().map(|name| name.get(..100).unwrap_or(name));
         let (expected, meant) = (one_of(names(), "the file has no grids"), meant(name, names()));
         format!("there is no grid {name:?}: {expected}{meant}")
@@ -62,7 +62,7 @@ struct Entry {
 }
 
 impl Entry {
-    /// What begins with the grid's map, and how its values are stored.
+    /// The bytes that begin with the grid's map, and how its values are stored.
     fn open<'a>(&self, bytes: &'a [u8]) -> Result<(Input<'a>, Coding)> {
         if ![FLOATS, HALVES].contains(&self.kind.as_str()) {
             return Err(format!("its type is {}, expected {FLOATS:?}: save it as a FloatGrid", quote(&self.kind)));

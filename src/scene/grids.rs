@@ -38,7 +38,7 @@ pub fn load_all(scene: &Scene, reading: Reading, findings: &mut Findings, assets
                 read.map(|grid| Some(Arc::new(grid)))
             }
         };
-        let loaded = loaded.map_err(|reason| at.field("path").error(&format!("{}: {reason}", file.display())));
+        let loaded = loaded.map_err(|reason| at.field("path").error(format!("{}: {reason}", file.display())));
         if let Some(grid) = findings.record(loaded).flatten() {
             room = room.saturating_sub(grid.bytes());
             assets.keep_grid(&file, name, files, Arc::clone(&grid));

@@ -40,7 +40,7 @@ pub struct Bricks {
 }
 
 impl Grid {
-    /// Its layout for kernels; nothing if no voxel is active. Negative values count as 0, and voxels out of the box of the active ones as the
+    /// The grid's layout for kernels; nothing if no voxel is active. Negative values count as 0, and voxels out of the box of the active ones as the
     /// background.
     ///
     /// # Errors
@@ -95,7 +95,7 @@ impl Grid {
     }
 }
 
-/// Its words: an index, and the least and the largest value.
+/// The words of an entry: an index, and the least and the largest value.
 fn entry_of(index: u32, [least, largest]: [f32; 2]) -> [u32; ENTRY] {
     [index, least.to_bits(), largest.to_bits()]
 }
@@ -144,7 +144,7 @@ impl Made {
     }
 }
 
-/// What covers a block of 8 x 8 x 8 voxels.
+/// A leaf or a value that covers a block of 8 x 8 x 8 voxels.
 #[derive(Clone, Copy)]
 enum Block<'a> {
     Leaf(&'a [f32; 512]),

@@ -62,14 +62,14 @@ impl Coding {
             let bytes = self.unpack(input, 4 * count)?;
             return Ok(bytes.as_chunks().0.iter().map(|float| f32::from_le_bytes(*float)).collect());
         }
-        // Of no halves not even the size is stored.
+        // If there are no halves, not even the size is stored.
         let bytes = if count > 0 { self.unpack(input, 2 * count)? } else { Vec::new() };
         Ok(bytes.as_chunks().0.iter().map(|half| f16::from_le_bytes(*half).to_f32()).collect())
     }
 
     /// The next `size` bytes of values.
     fn unpack(&self, input: &mut Input, size: usize) -> Result<Vec<u8>> {
-        // What compression does not make smaller is stored as it is, with its size below 0.
+        // A block that compression does not make smaller is stored as it is, with its size below 0.
         let packed = if self.flags & (ZIP | BLOSC) != 0 { input.read()? } else { -(size as i64) };
         if packed <= 0 {
             same(size, packed.unsigned_abs())?;

@@ -40,7 +40,7 @@ fn compare(grid: &Grid, count: usize, expected: impl Fn(IVec3) -> f32) {
     }
 }
 
-/// What `ball` of make.py has.
+/// The value of `ball` of make.py.
 fn ball(radius: i32, background: f32) -> impl Fn(IVec3) -> f32 {
     move |voxel| {
         let at = voxel - ivec3(-12, 12, 12);
@@ -53,7 +53,7 @@ fn ball(radius: i32, background: f32) -> impl Fn(IVec3) -> f32 {
     }
 }
 
-/// What `leaf` of make.py has.
+/// The value of `leaf` of make.py.
 fn leaf(kind: usize, background: f32, index: usize) -> f32 {
     let own = [background, -background, 7.0, -background, 7.0, 7.0, 7.0][kind];
     let other = [0.0, 0.0, 0.0, background, background, -3.0, -3.0][kind];
@@ -257,7 +257,7 @@ fn memory_is_limited() {
     assert!(read(&file("levels.vdb"), "levels", 4 * size_of::<Tile>()).is_ok());
 }
 
-/// What a frame of blosc holds, as values of a leaf without any mask.
+/// The contents of a frame of blosc, as values of a leaf without any mask.
 fn unpack(flags: u8, type_size: u8, block_size: u32, body: &[u8]) -> Result<Vec<f32>, String> {
     let header = [2, 1, flags, type_size];
     let size = 2048_u32;
