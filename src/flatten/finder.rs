@@ -95,7 +95,7 @@ pub struct Finder<'a> {
     /// The numbers of the materials that each one needs: its own, and those of its parts.
     pub needed: Vec<Vec<usize>>,
     meshes: &'a BTreeMap<&'a str, MeshShape<'a>>,
-    grids: &'a BTreeMap<(String, String), Arc<Grid>>,
+    scene: &'a Scene,
     /// The camera's position.
     eye: DVec3,
     shutter: Shutter,
@@ -131,7 +131,7 @@ impl<'a> Finder<'a> {
             needed: scene.materials.iter().enumerate().map(with_parts).collect(),
             materials,
             meshes,
-            grids: &scene.grids,
+            scene,
             eye,
             shutter: Shutter::new(camera),
             name: Name::default(),
@@ -163,10 +163,7 @@ impl<'a> Finder<'a> {
                 objects.iter().for_each(|object| self.add(object, at));
             }
             Object::Medium { boundary, density, albedo, anisotropy, emission } => {
-                let grid_of = |key: Option<(&str, &str)>| {
-                    key.and_then(|(path, name)| self.grids.get(&(path.to_owned(), name.to_owned())))
-                };
-                let grid = grid_of(density.grid());
+                let grid = self.scene.grid_of(density.grid());
                 let around = match boundary {
                     Some(boundary) => self.boundary(boundary, at),
                     None => grid
@@ -189,7 +186,7 @@ impl<'a> Finder<'a> {
                         albedo,
                         anisotropy: *anisotropy,
                         emission: emission.as_ref().filter(|emission| emission.is_seen()),
-                        temperature: grid_of(emission.as_ref().and_then(Emission::grid)),
+                        temperature: self.scene.grid_of(emission.as_ref().and_then(Emission::grid)),
                     });
                 }
             }

@@ -56,6 +56,11 @@ impl Scene {
         self.made.iter().filter_map(|path| Some((path.as_str(), &**self.meshes.get(path)?)))
     }
 
+    /// A grid by its path and its name.
+    pub fn grid_of(&self, key: Option<(&str, &str)>) -> Option<&Arc<Grid>> {
+        key.and_then(|(path, name)| self.grids.get(&(path.to_owned(), name.to_owned())))
+    }
+
     /// The images that no file has, likewise.
     pub fn made_images(&self) -> impl Iterator<Item = (&str, &Bitmap)> {
         let of = |path| {

@@ -59,6 +59,10 @@ impl Scene {
                 let message = "a density of 0 means that the medium has no effect: remove it or raise its density";
                 warnings.push(at.field("density").warning(message));
             }
+            Object::Medium { density, .. } => {
+                let field = at.field("density");
+                warnings.extend(self.grid_of(density.grid()).and_then(|grid| grid.warning()).map(|text| field.warning(&text)));
+            }
             Object::Mesh { path, .. } if reported.insert(path) => {
                 let flat = ["none of its faces has an area: it is left out".to_owned()];
                 let about = self.meshes.get(path).map_or(&flat[..], |mesh| &mesh.warnings);

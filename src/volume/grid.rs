@@ -42,6 +42,24 @@ impl Grid {
         all.fold(self.background, f32::max)
     }
 
+    /// The warning that some or all of its values are no densities.
+    pub fn warning(&self) -> Option<String> {
+        let of_leaves = self.leaves.iter().flat_map(|leaf| leaf.values.iter().copied());
+        let least = of_leaves.chain(self.tiles.iter().map(|tile| tile.value)).fold(self.background, f32::min);
+        if self.active.is_none() || self.largest() <= 0.0 {
+            return Some(
+                "no voxel of the grid is active and above 0, so that the medium has no effect: choose another grid"
+                    .to_owned(),
+            );
+        }
+        (least < 0.0).then(|| {
+            format!(
+                "the grid has values below 0, such as {least}, which count as 0: a level set has distances to a surface, and is no density; \
+                 convert it to a fog volume"
+            )
+        })
+    }
+
     /// The box of the active voxels, one voxel wider on each side, by the indices of its corners: between the outermost voxels and their
     /// neighbours the values are trilinear.
     pub fn around(&self) -> Option<(DVec3, DVec3)> {

@@ -304,6 +304,17 @@ fn render_of_size(value: &dyn Fn([i32; 3]) -> f32, size: f64, density: f64, away
     render(&scene, &Request::spp(512).seed(7).sobol().mis().size(32, 32))
 }
 
+#[test]
+fn grids_without_densities_are_warned_of() {
+    let warnings = |value: &dyn Fn([i32; 3]) -> f32| {
+        let media = "Medium(density: Grid(path: \"grids.vdb\"), albedo: Rgb(0.5, 0.5, 0.5))";
+        scene_of(&[("density", grid(value))], AHEAD, "Solid((1, 1, 1))", media).warnings().join(" ")
+    };
+    assert!(!warnings(&rough).contains("Grid") && !warnings(&rough).contains("density"));
+    assert!(warnings(&|_| 0.0).contains("objects[0].Medium.density: no voxel of the grid"));
+    assert!(warnings(&|[x, ..]| x as f32).contains("values below 0, such as -20"));
+}
+
 /// One voxel in a box of 512 along each edge takes little memory, and few steps.
 #[test]
 fn one_voxel_in_a_large_grid() {
