@@ -47,5 +47,6 @@ mod truth;
 mod uv_sets;
 mod varying_media;
 mod vertex_colours;
+mod volume_references;
 mod walk;
 mod warnings;
