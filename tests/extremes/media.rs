@@ -178,8 +178,8 @@ pub fn black_slabs() -> Vec<Cell> {
     [1e-8, 1e-7, 1e-6, 1e-4, 1e-2, 1.0, 10.0, 1e2, 1e4, 1e6, 1e8]
         .map(|depth: f64| {
             let k = (0.4 / depth).log2().clamp(0.0, 24.0).floor() as i32;
-            let lowest = format!("medium == 0u).xy >> vec2<u32>({k}u, 0u)");
-            let lowest = Overlay::new(&[("step/flight", "medium == 0u).xy", &lowest)]);
+            let lowest = format!("medium == 0u) >> vec4<u32>({k}u, 0u, 0u, 0u)");
+            let lowest = Overlay::new(&[("step/flight", "medium == 0u)", &lowest)]);
             let through = |text: &str| render_planted(&scene(text), &Request::spp(64), &lowest).mean_of_all().value[0];
             let expected = 1.0 + 2f64.powi(k) * (-depth).exp_m1();
             Cell::new(

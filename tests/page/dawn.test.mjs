@@ -36,9 +36,9 @@ async function saved(film) {
   return file;
 }
 
-// With light paths, media, instances, textures, motion, and tables as uniforms; or all scenes that ship: PAGE_SCENES=all.
+// With light paths, media, also of a grid, instances, textures, motion, and tables as uniforms; or all scenes that ship: PAGE_SCENES=all.
 const all = () => fs.readdirSync(path.join(ROOT, "scenes")).filter(name => /\.(ron|glb|xml|pbrt)$/.test(name)).map(name => [name, [2]]);
-const some = [["cornell.ron", [1, 3]], ["weekend.ron", [4], "--sampler", "independent"], ["motion.ron", [2]], ["window.ron", [2]], ["still-life.glb", [2]], ["cornell-smoke.ron", [2]]];
+const some = [["cornell.ron", [1, 3]], ["weekend.ron", [4], "--sampler", "independent"], ["motion.ron", [2]], ["window.ron", [2]], ["still-life.glb", [2]], ["cornell-smoke.ron", [2]], ["../tests/references/volumes/blob.ron", [2]]];
 for (const [scene, rounds, ...more] of process.env.PAGE_SCENES === "all" ? all() : some) {
   test(`${scene}: the film has the bytes of a render`, async () => {
     const samples = 8 * rounds.reduce((a, b) => a + b);
