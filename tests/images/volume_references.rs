@@ -16,7 +16,7 @@ use crate::common::stats::{normal_two_sided, sidak};
 /// Blocks along a row and along a column.
 const BLOCKS: (u32, u32) = (8, 6);
 
-/// Of a sum of a thousand equal numbers in 32 bits: the sky.
+/// Of a mean of a thousand equal numbers in 32 bits: the sky.
 const ROUNDING: f64 = 2e-5;
 
 /// Seeds of each pixel of a reference: a variance has a degree of freedom less.

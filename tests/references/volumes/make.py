@@ -7,7 +7,9 @@ Each image is the mean of several seeds, and has the variance of that mean in it
 tests/images/volume_references.rs compares them with our own.
 
 Mitsuba's texels lie in the middles of the cells of a grid's box, and its values go on unchanged beyond the outer ones: so the box of its grid is
-half a voxel wider than the voxels of the file, whose outer layers are 0. Cycles rounds grids to 16 bits unless it is told not to.
+half a voxel wider than the voxels of the file, whose outer layers are 0. Its lamp shines on one side, ours and that of Cycles on both; nothing is
+above it. Cycles rounds grids to 16 bits unless it is told not to, and its axes are others: z is up. Pixels of Cycles are independent with its
+tables of Sobol points, and not by default, where noise is blue.
 """
 
 import json
