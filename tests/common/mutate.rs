@@ -115,6 +115,7 @@ pub fn end_of_header(name: &str, bytes: &[u8]) -> usize {
         "hdr" => behind(b"\n\n", 20),
         "exr" => behind(b"screenWindowWidth\0float\0", 9),
         "ktx2" => 80,
+        "vdb" => behind(b"Tree_float_5_4_3", 0),
         "ply" => behind(b"end_header\n", 0),
         "glb" => behind(b"BIN\0", 0),
         "gltf" => behind(b";base64,", 0),

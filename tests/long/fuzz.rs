@@ -17,6 +17,7 @@ use crate::common::gltf::{glb, gltf, moving, room};
 use crate::common::meshes::{cube, cubes};
 use crate::common::mutate::{claim_size, end_of_header, mutated, with_checksums};
 use crate::common::stats::Random;
+use crate::common::vdb::{TestGrid, scaled, vdb};
 use gpu_rt::error::Error;
 use gpu_rt::flatten::flatten;
 use gpu_rt::options::RenderOptions;
@@ -51,6 +52,7 @@ const FORMATS: &[(&str, &[&str], Reader)] = &[
     ("stl", &["stl"], read_mesh),
     ("gltf", &["gltf"], read_mesh),
     ("glb", &["glb"], read_mesh),
+    ("vdb", &["vdb"], read_grid),
     ("model", &["model"], read_model),
     ("compare", &["exr"], |path, bytes| written(path, bytes, |path| read_exr(path).map(drop))),
     ("resume", &["state.exr"], |path, bytes| written(path, bytes, resume)),
@@ -108,6 +110,22 @@ fn read_image(path: &Path, bytes: &[u8]) -> Result<(), String> {
         }
         Ok(())
     })
+}
+
+fn read_grid(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    written(path, bytes, |path| {
+        let object = format!("Medium(density: Grid(path: {:?}), albedo: Rgb(0.5, 0.5, 0.5))", name(path));
+        let scene = scene_with(path, "Solid((1, 1, 1))", &object)?;
+        let _ = scene.warnings();
+        flatten(&scene, (4, 3), &RenderOptions::default()).map(drop)
+    })
+}
+
+/// A file with a grid of two blocks.
+fn small_grid() -> Vec<u8> {
+    let value = |[x, y, z]: [i32; 3]| (x + 2 * y + 3 * z) as f32;
+    let boxes = &[[[0; 3], [9, 3, 3]]];
+    vdb(&[("density", TestGrid { boxes, background: 0.0, map: scaled(0.1, [0.0; 3]), value: &value })])
 }
 
 fn read_mesh(path: &Path, bytes: &[u8]) -> Result<(), String> {
@@ -194,7 +212,9 @@ fn good_files(endings: &[&str], folder: &Path) -> Vec<(String, Vec<u8>)> {
     if endings != ["ron"] {
         let named = |(name, bytes): (&str, Vec<u8>)| (name.to_owned(), bytes);
         let meshes = cubes().into_iter().chain(more_meshes()).map(named);
-        let mut files: Vec<_> = corpus::images().into_iter().chain(corpus::packed()).chain(meshes).collect();
+        let grid = ("grid.vdb".to_owned(), small_grid());
+        let mut files: Vec<_> =
+            corpus::images().into_iter().chain(corpus::packed()).chain(meshes).chain([grid]).collect();
         files.retain(|(name, _)| endings.iter().any(|ending| name.ends_with(&format!(".{ending}"))));
         return files;
     }
@@ -212,6 +232,7 @@ fn good_files(endings: &[&str], folder: &Path) -> Vec<(String, Vec<u8>)> {
                         cubes().into_iter().find(|(cube, _)| cube.rsplit('.').next() == file.rsplit('.').next());
                     fs::write(to, small.expect("a cube of this format").1).expect("the mesh is written");
                 }
+                Some("vdb") => fs::write(to, small_grid()).expect("the grid is written"),
                 // No scene here names a glTF file.
                 Some("glb") => {}
                 _ => image::Rgb32FImage::new(2, 2)
