@@ -89,7 +89,9 @@ async function saved(page, kind) {
 
 // Waits until the page has ended the round that it has begun. The result is its samples, which stay as they are.
 async function rested(page) {
+  const end = Date.now() + 60000;
   for (let [before, since] = ["", Date.now()]; Date.now() - since < 3000; ) {
+    assert.ok(Date.now() < end, "the page does not rest");
     const now = await textOf(page, "samples");
     if (now !== before || now.includes("ahead")) [before, since] = [now, Date.now()];
     await new Promise(done => setTimeout(done, 50));
@@ -102,7 +104,8 @@ for (const from of ["server", "disk"]) {
     const { page, said } = await opened(urls[from]);
     await samples(page, 16);
     await until(page, () => /^[\d.]+ %, at most .* at 16 samples$/.test(document.getElementById("error").textContent));
-    await page.click("#pause");
+    // The button moves while the text beside it changes, so that a mouse may miss it.
+    await page.$eval("#pause", button => button.click());
     const count = await rested(page);
     const { image, said: host } = rendered(SCENE, SIZE, count);
     const exr = await saved(page, "exr");
