@@ -100,8 +100,13 @@ fn shadow_rays_pass_what_quadrature_says() {
 #[test]
 #[ignore = "minutes: make test-long"]
 fn light_passes_what_quadrature_says_within_1e_4() {
-    before_a_sky(40_960, 1e-4);
-    to_a_floor(49_152, 1e-4);
+    before_a_sky(65_536, 1e-4);
+}
+
+#[test]
+#[ignore = "minutes: make test-long"]
+fn shadow_rays_pass_what_quadrature_says_within_1e_4() {
+    to_a_floor(65_536, 1e-4);
 }
 
 /// Clouds before a white sky.
