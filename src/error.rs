@@ -82,6 +82,11 @@ pub enum Error {
 
 pub type Result<T> = std::result::Result<T, Error>;
 
+/// The first of several errors, if there is one.
+pub(crate) fn first(errors: Vec<Error>) -> Result<()> {
+    errors.into_iter().next().map_or(Ok(()), Err)
+}
+
 impl Error {
     /// The error of a file that could not be read or written, for its reason.
     pub fn file<R: ToString>(path: &(impl AsRef<Path> + ?Sized), action: &'static str) -> impl Fn(R) -> Error {

@@ -6,7 +6,7 @@ pub mod heat;
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, first};
 use crate::source::declare::declare;
 use crate::source::form::{Checked, Field, Form, PATH, number, other};
 use crate::source::{NO_UNIT, Range, SCENE_UNITS, ValuePath};
@@ -134,10 +134,6 @@ impl Checked for Emission {
             Emission::Heat(heat) => first(heat.check_fields(&at.variant(heat.name()))),
         }
     }
-}
-
-fn first(errors: Vec<Error>) -> Result<()> {
-    errors.into_iter().next().map_or(Ok(()), Err)
 }
 
 impl Density {

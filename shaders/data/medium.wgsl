@@ -18,7 +18,7 @@ struct Medium {
 
 // Stands for a distance that was not found within the steps allowed per ray.
 const WALK_CUT: f32 = -2.0;
-// The most steps that all walks through meshes along one ray may take, over all media, where loops have a limit (stage/bounce).
+// The most steps that all walks through meshes and grids along one ray may take, over all media, where loops have a limit (stage/bounce).
 const STEPS_OF_CROSSINGS: u32 = 8000u;
 const NO_MEDIUM: u32 = 0xffffffffu;
 

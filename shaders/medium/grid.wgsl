@@ -5,7 +5,7 @@
 //@ relies on loops
 // Grids of numbers. A grid is a lattice of tiles of 8 x 8 x 8 bricks of 8 x 8 x 8 cells, which lie between voxels. At its first word it has an
 // entry of three words for each tile, x first: the index of the words for the tile's bricks, the least and the largest value. Each brick has such an
-// entry with the index of its texels. Where that index is 0, all of it has one value. Indices count from the grid's first word. A brick has
+// entry with the index of its texels. A tile or brick whose index is 0 has one value everywhere. Indices count from the grid's first word. A brick has
 // 9 x 9 x 9 texels, z first, so that neighbours share those on their faces; a texel is a share of the brick's largest value.
 
 const CELLS_OF_BRICK: i32 = 8;
@@ -141,7 +141,7 @@ fn leave_part(walk: ptr<function, GridWalk>, field: ScalarField, part: GridPart)
 
 // The distance of the next event in an interval of the ray, whose origin and direction are in voxels, by delta tracking: Woodcock et al.,
 // "Techniques used in the GEM code for Monte Carlo neutronics calculations in reactors and other systems of complex geometry", 1965. Tentative
-// events have the bound of each part as their rate; the share of them that the density has of the bound is real. NO_HIT if there is no event, or
+// events come at the rate of each part's bound; one is real with the probability density / bound. NO_HIT if there is no event, or
 // WALK_CUT. `words` are random; each tentative event changes them.
 fn event_in_grid(
     field: ScalarField,
@@ -191,7 +191,7 @@ fn unit_of_words(words: vec2<u32>) -> f32 {
     return min(f32(words.x) * 0x1p-32f + f32(words.y) * 0x1p-64f, 0x1.fffffep-1f);
 }
 
-// Below this share, roulette ends the estimate or raises it to this.
+// An estimate that falls below this share is ended by roulette, or raised to it.
 const LEAST_THROUGH: f32 = 0.125;
 
 // An estimate of the share of light that passes the grid from inside.x to inside.y, by residual ratio tracking: Novak, Selle and Jarosz,

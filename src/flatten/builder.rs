@@ -22,7 +22,6 @@ use crate::material::{ALPHA, MIX, Material, Model, Slot, emission_row, microface
 use crate::scene::{Background, Bitmap, Scene, SkyLayout, Step, Texture, Use};
 use crate::shape::similarity::Similarity;
 use crate::shape::{Element, KINDS, LargeSphere, MeshLayout, ObjectTransform, RenderSpace, Shape, error_bound, padded};
-use crate::volume::bricks::Bricks;
 use crate::volume::grid::Grid;
 
 /// The most primitives that every ray tests directly, without a hierarchy, if a ray hits at least `LEAST_CROSSINGS` of
@@ -58,8 +57,8 @@ pub struct Builder<'a> {
     pub images: HashMap<(String, Decoding), u32>,
     /// The first frames of meshes, by mesh and material.
     pub mesh_frames: HashMap<(usize, u32), u32>,
-    /// The layouts of the grids that have been added, each with the index of its first word.
-    pub grids: Vec<(Arc<Grid>, u32, Arc<Bricks>)>,
+    /// The grids that have been added, each with the index of its first word.
+    pub grids: Vec<(Arc<Grid>, u32)>,
     /// The index of the first word of the table of black bodies, if a medium needs it.
     pub heat: Option<u32>,
     /// The motions, if anything moves.

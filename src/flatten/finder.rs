@@ -162,34 +162,7 @@ impl<'a> Finder<'a> {
             Object::Group(objects) | Object::Gltf { objects, .. } => {
                 objects.iter().for_each(|object| self.add(object, at));
             }
-            Object::Medium { boundary, density, albedo, anisotropy, emission } => {
-                let grid = self.scene.grid_of(density.grid());
-                let around = match boundary {
-                    Some(boundary) => self.boundary(boundary, at),
-                    None => grid
-                        .and_then(|grid| grid.boundary())
-                        .map(|shape| (shape.seen_from(&at.to_world, self.eye), at.clone())),
-                };
-                let density_scale = density.scale() * grid.map_or(1.0, |grid| f64::from(grid.largest()));
-                // A medium without density has no effect.
-                if let Some((boundary_shape, around)) = around.filter(|_| density_scale > 0.0) {
-                    self.media.push(WorldMedium {
-                        object,
-                        boundary: boundary_shape,
-                        to_world: around.to_world,
-                        motion: around.motion,
-                        own: at.clone(),
-                        density: density_scale,
-                        varying: density.varying(),
-                        grid,
-                        is_bare: boundary.is_none(),
-                        albedo,
-                        anisotropy: *anisotropy,
-                        emission: emission.as_ref().filter(|emission| emission.is_seen()),
-                        temperature: self.scene.grid_of(emission.as_ref().and_then(Emission::grid)),
-                    });
-                }
-            }
+            Object::Medium { .. } => self.media.extend(self.medium(object, at)),
             _ => {
                 let Placement { to_world, motion } = at;
                 let light = object.delta_light().map(|light| light.in_world(to_world));
@@ -203,6 +176,32 @@ impl<'a> Finder<'a> {
                 }
             }
         }
+    }
+
+    /// The medium that an object is; none if it has no density, and so no effect.
+    fn medium(&self, object: &'a Object, at: &Placement) -> Option<WorldMedium<'a>> {
+        let Object::Medium { boundary, density, albedo, anisotropy, emission } = object else { return None };
+        let grid = self.scene.grid_of(density.grid());
+        let (shape, around) = match boundary {
+            Some(boundary) => self.boundary(boundary, at)?,
+            None => (grid?.boundary()?.seen_from(&at.to_world, self.eye), at.clone()),
+        };
+        let largest = density.scale() * grid.map_or(1.0, |grid| f64::from(grid.largest()));
+        (largest > 0.0).then(|| WorldMedium {
+            object,
+            boundary: shape,
+            to_world: around.to_world,
+            motion: around.motion,
+            own: at.clone(),
+            density: largest,
+            varying: density.varying(),
+            grid,
+            is_bare: boundary.is_none(),
+            albedo,
+            anisotropy: *anisotropy,
+            emission: emission.as_ref().filter(|emission| emission.is_seen()),
+            temperature: self.scene.grid_of(emission.as_ref().and_then(Emission::grid)),
+        })
     }
 
     /// The shapes of all primitives and of all media's boundaries.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DVec3};
 
 use super::builder::Builder;
 use super::finder::WorldMedium;
@@ -11,8 +11,7 @@ use crate::error::Result;
 use crate::scene::{Emission, Heat, Varying};
 use crate::shape::{Element, ObjectTransform, RenderSpace};
 use crate::texture::Use;
-use crate::volume::bricks::Bricks;
-use crate::volume::grid::Grid;
+use crate::volume::grid::{Bricks, Grid};
 use crate::volume::heat;
 
 /// Numbers of the files that say how a density varies, counted from 1 ([`FIELDS`](super::FIELDS)).
@@ -23,7 +22,6 @@ impl Builder<'_> {
     /// `order` is the place of its boundary behind the primitives. Returns the medium's own point.
     pub fn add_medium(&mut self, medium: &WorldMedium<'_>, order: u32) -> DVec3 {
         let WorldMedium { boundary, to_world, own, albedo, anisotropy, .. } = medium;
-        let own = &own.to_world;
         // The boundary is not a surface: it has no material, and is not a primitive.
         let (index, _) = self.add_shape(boundary, to_world, Element { order, ..Element::default() });
         self.choose_own_point(boundary, index, to_world, &medium.motion);
@@ -32,11 +30,10 @@ impl Builder<'_> {
             Some(large_sphere) => large_sphere.nearest(to_world, self.space.eye),
             None => boundary.bounding_shape(&ObjectTransform { to_world, space: world }).position(),
         };
-        // From render space, relative to this point, to the medium's own space.
-        let to_own = own.rotation.transpose() * (1.0 / (own.scale * self.space.scale));
-        let base = own.rotation.transpose() * (center - own.translation) / own.scale;
+        let to_own = self.to_own(medium, center);
         let texture = self.add_texture(albedo, 1.0);
-        let frame = albedo.frame(Use::Albedo, (base, to_own), (DVec3::ZERO, &own.rotation));
+        let place = (to_own.translation, to_own.matrix3);
+        let frame = albedo.frame(Use::Albedo, place, (DVec3::ZERO, &own.to_world.rotation));
         let number = if frame.is_some() { self.flat.frames.len() as u32 } else { 0 };
         self.flat.frames.extend(frame);
         self.flat.media.push(data::Medium {
@@ -122,16 +119,18 @@ impl Builder<'_> {
         to_own: &DAffine3,
         scale: f64,
     ) -> Result<data::ScalarField> {
-        let (first, bricks) = self.words_of(medium, grid)?;
+        let error = |reason: String| self.scene.error_of(medium.object, &reason);
+        let bricks = grid.bricks().map_err(error)?.unwrap_or_default();
+        let first = self.first_word_of(grid, &bricks).map_err(error)?;
         let to_index = grid.to_own.inverse() * *to_own;
         let corner = bricks.lower.as_dvec3();
         let (low, high) = grid.around().unwrap_or_default();
-        let rows = DMat3::transpose(&to_index.matrix3);
+        let matrix = to_index.matrix3;
         let offset = to_index.translation - corner;
         Ok(data::ScalarField {
-            x: row(rows.col(0), offset.x),
-            y: row(rows.col(1), offset.y),
-            z: row(rows.col(2), offset.z),
+            x: row(matrix.row(0), offset.x),
+            y: row(matrix.row(1), offset.y),
+            z: row(matrix.row(2), offset.z),
             kind: GRID,
             low: f32s(low - corner),
             high: f32s(high - corner),
@@ -144,21 +143,18 @@ impl Builder<'_> {
         })
     }
 
-    /// The words of a grid: the index of the first, and its layout. Media share them.
-    fn words_of(&mut self, medium: &WorldMedium<'_>, grid: &Arc<Grid>) -> Result<(u32, Arc<Bricks>)> {
-        if let Some((_, first, bricks)) = self.grids.iter().find(|(known, ..)| Arc::ptr_eq(known, grid)) {
-            return Ok((*first, Arc::clone(bricks)));
+    /// The index of the first word of a grid. Media share the words.
+    fn first_word_of(&mut self, grid: &Arc<Grid>, bricks: &Bricks) -> std::result::Result<u32, String> {
+        if let Some((_, first)) = self.grids.iter().find(|(known, _)| Arc::ptr_eq(known, grid)) {
+            return Ok(*first);
         }
-        let too_large = |reason: String| self.scene.error_of(medium.object, &reason);
-        let mut bricks = grid.bricks().map_err(too_large)?.unwrap_or_default();
-        let first = u32::try_from(self.flat.bricks.len())
-            .ok()
-            .filter(|first| first.checked_add(u32::try_from(bricks.words.len()).unwrap_or(u32::MAX)).is_some());
-        let first = first.ok_or_else(|| too_large("expected grids of less than 16 GiB in all".to_owned()))?;
-        self.flat.bricks.append(&mut bricks.words);
-        let bricks = Arc::new(bricks);
-        self.grids.push((Arc::clone(grid), first, Arc::clone(&bricks)));
-        Ok((first, bricks))
+        let words = &mut self.flat.bricks;
+        // Kernels number words by 32 bits.
+        let first = u32::try_from(words.len() + bricks.words.len()).map(|_| words.len() as u32);
+        let first = first.map_err(|_| "expected grids of less than 16 GiB in all".to_owned())?;
+        words.extend_from_slice(&bricks.words);
+        self.grids.push((Arc::clone(grid), first));
+        Ok(first)
     }
 
     /// The index of the first word of the table of black bodies.

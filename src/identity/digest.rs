@@ -92,7 +92,7 @@ pub fn of_assets(scene: &Scene) -> Vec<(String, String)> {
 
 fn of_grid(grid: &Grid) -> String {
     let mut hasher = Sha256::new();
-    let Grid { background, to_own, active, tiles, leaves } = grid;
+    let Grid { background, to_own, active, tiles, leaves, .. } = grid;
     let _ = write!(hasher, "grid {background:?} {to_own:?} {active:?} ");
     for tile in tiles {
         let _ = write!(hasher, "{} {} {:?} ", tile.lower, tile.size, tile.value);

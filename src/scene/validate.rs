@@ -11,7 +11,7 @@ use super::light_groups;
 use super::model::Scene;
 use super::nearest::{meant, one_of};
 use super::types::*;
-use crate::error::{Error, Result};
+use crate::error::{Result, first};
 use crate::shape::mesh::{self, MeshShape};
 use crate::shape::{ShapeKind, kinds_in_files};
 use crate::source::form::any;
@@ -416,10 +416,6 @@ fn transform(at: &ValuePath, transform: &Transform) -> Result<()> {
             }
         }
     }
-}
-
-fn first(errors: Vec<Error>) -> Result<()> {
-    errors.into_iter().next().map_or(Ok(()), Err)
 }
 
 /// The names that objects may refer to.

@@ -4,10 +4,11 @@
 //! the largest in its brick, and the bound on the density of a brick is exact.
 
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 use glam::IVec3;
 
-use super::grid::{Grid, Leaf};
+use super::grid::{Bricks, Grid, Leaf};
 
 /// The cells of a brick along an edge.
 pub const BRICK: i32 = 8;
@@ -26,27 +27,14 @@ const MOST_WORDS: usize = 1 << 30;
 /// The words of the entry of a tile or a brick.
 const ENTRY: usize = 3;
 
-/// A grid as kernels read it.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Bricks {
-    /// The number of tiles along each axis.
-    pub tiles: IVec3,
-    /// The index of the voxel at the lower corner of the tiles.
-    pub lower: IVec3,
-    /// The words, in which indices of words count from the first of them.
-    pub words: Vec<u32>,
-    /// The largest value.
-    pub largest: f32,
-}
-
 impl Grid {
     /// The grid's layout for kernels; nothing if no voxel is active. Negative values count as 0, and voxels out of the box of the active ones as the
     /// background.
     ///
     /// # Errors
     /// The number of tiles, if it is too large.
-    pub fn bricks(&self) -> Result<Option<Bricks>, String> {
-        self.bricks_within(MOST_WORDS)
+    pub fn bricks(&self) -> Result<Option<Arc<Bricks>>, String> {
+        self.found.bricks.get_or_init(|| Ok(self.bricks_within(MOST_WORDS)?.map(Arc::new))).clone()
     }
 
     fn bricks_within(&self, most_words: usize) -> Result<Option<Bricks>, String> {
@@ -71,27 +59,23 @@ impl Grid {
         };
         let voxels = Voxels::of(self);
         let (lower, tiles) = (lower.as_ivec3(), tiles.as_ivec3());
-        let plain = self.background.max(0.0);
-        let mut made = Made { words: vec![0; ENTRY * count as usize], largest: plain };
-        let plain = entry_of(0, [plain; 2]);
-        made.words.chunks_exact_mut(ENTRY).for_each(|entry| entry.copy_from_slice(&plain));
+        let mut words = entry_of(0, [self.background.max(0.0); 2]).repeat(count as usize);
         for tile in voxels.touched(lower, tiles) {
             let at = ENTRY * (tile.x + tiles.x * (tile.y + tiles.y * tile.z)) as usize;
             let corner = lower + tile * TILE;
             let entry = match voxels.tile_around(corner) {
                 Some(value) => entry_of(0, [value; 2]),
-                None => made.add_tile(&voxels, corner),
+                None => add_tile(&mut words, &voxels, corner),
             };
-            made.largest = made.largest.max(f32::from_bits(entry[2]));
-            if made.words.len() > most_words {
+            if words.len() > most_words {
                 return Err(format!(
                     "expected a grid that takes at most {} GiB, found more: make it coarser",
                     MOST_WORDS >> 28
                 ));
             }
-            made.words[at..at + ENTRY].copy_from_slice(&entry);
+            words[at..at + ENTRY].copy_from_slice(&entry);
         }
-        Ok(Some(Bricks { tiles, lower, words: made.words, largest: made.largest }))
+        Ok(Some(Bricks { tiles, lower, words }))
     }
 }
 
@@ -100,48 +84,40 @@ fn entry_of(index: u32, [least, largest]: [f32; 2]) -> [u32; ENTRY] {
     [index, least.to_bits(), largest.to_bits()]
 }
 
-/// The words that are made.
-struct Made {
-    words: Vec<u32>,
-    largest: f32,
+/// Adds the bricks of a tile whose lower corner is this voxel. Returns its entry.
+fn add_tile(words: &mut Vec<u32>, voxels: &Voxels<'_>, lower: IVec3) -> [u32; ENTRY] {
+    let begin = words.len();
+    words.resize(begin + ENTRY * (BRICKS * BRICKS * BRICKS) as usize, 0);
+    let mut texels = [0.0; (TEXELS * TEXELS * TEXELS) as usize];
+    let (mut same, mut bounds) = (true, [f32::INFINITY, 0.0]);
+    for index in 0..BRICKS * BRICKS * BRICKS {
+        let brick = IVec3::new(index % BRICKS, index / BRICKS % BRICKS, index / BRICKS / BRICKS);
+        let one = voxels.fill(lower + brick * BRICK, &mut texels);
+        let own =
+            texels.iter().fold([f32::INFINITY, 0.0], |[least, most], value| [least.min(*value), most.max(*value)]);
+        let entry = entry_of(if one { 0 } else { add_texels(words, &texels, own[1]) }, own);
+        let at = begin + ENTRY * index as usize;
+        words[at..at + ENTRY].copy_from_slice(&entry);
+        same &= words[at..at + ENTRY] == words[begin..begin + ENTRY];
+        bounds = [bounds[0].min(own[0]), bounds[1].max(own[1])];
+    }
+    if same && words[begin] == 0 {
+        words.truncate(begin);
+        return entry_of(0, bounds);
+    }
+    entry_of(begin as u32, bounds)
 }
 
-impl Made {
-    /// Adds the bricks of a tile whose lower corner is this voxel. Returns its entry.
-    fn add_tile(&mut self, voxels: &Voxels<'_>, lower: IVec3) -> [u32; ENTRY] {
-        let begin = self.words.len();
-        self.words.resize(begin + ENTRY * (BRICKS * BRICKS * BRICKS) as usize, 0);
-        let mut texels = [0.0; (TEXELS * TEXELS * TEXELS) as usize];
-        let (mut same, mut bounds) = (true, [f32::INFINITY, 0.0]);
-        for index in 0..BRICKS * BRICKS * BRICKS {
-            let brick = IVec3::new(index % BRICKS, index / BRICKS % BRICKS, index / BRICKS / BRICKS);
-            let one = voxels.fill(lower + brick * BRICK, &mut texels);
-            let own =
-                texels.iter().fold([f32::INFINITY, 0.0], |[least, most], value| [least.min(*value), most.max(*value)]);
-            let entry = entry_of(if one { 0 } else { self.add_texels(&texels, own[1]) }, own);
-            let at = begin + ENTRY * index as usize;
-            self.words[at..at + ENTRY].copy_from_slice(&entry);
-            same &= self.words[at..at + ENTRY] == self.words[begin..begin + ENTRY];
-            bounds = [bounds[0].min(own[0]), bounds[1].max(own[1])];
-        }
-        if same && self.words[begin] == 0 {
-            self.words.truncate(begin);
-            return entry_of(0, bounds);
-        }
-        entry_of(begin as u32, bounds)
-    }
-
-    /// Returns the index of their first word.
-    fn add_texels(&mut self, texels: &[f32], bound: f32) -> u32 {
-        let begin = self.words.len() as u32;
-        let code = |value: &f32| (f64::from(*value) / f64::from(bound) * f64::from(u16::MAX)).round() as u32;
-        self.words.extend(
-            texels
-                .chunks(2)
-                .map(|pair| pair.iter().map(code).enumerate().fold(0, |word, (half, code)| word | code << (16 * half))),
-        );
-        begin
-    }
+/// Adds the texels of a brick. Returns the index of their first word.
+fn add_texels(words: &mut Vec<u32>, texels: &[f32], bound: f32) -> u32 {
+    let begin = words.len() as u32;
+    let code = |value: &f32| (f64::from(*value) / f64::from(bound) * f64::from(u16::MAX)).round() as u32;
+    words.extend(
+        texels
+            .chunks(2)
+            .map(|pair| pair.iter().map(code).enumerate().fold(0, |word, (half, code)| word | code << (16 * half))),
+    );
+    begin
 }
 
 /// A leaf or a value that covers a block of 8 x 8 x 8 voxels.
@@ -252,7 +228,7 @@ mod tests {
     use glam::DAffine3;
 
     use super::*;
-    use crate::volume::grid::Tile;
+    use crate::volume::grid::{Found, Tile};
 
     /// The value at a voxel, as shaders/medium/grid reads it.
     fn value_at(bricks: &Bricks, voxel: IVec3) -> f32 {
@@ -289,9 +265,12 @@ mod tests {
             active: Some((at, IVec3::new(-8, 127, 127))),
             tiles: vec![Tile { lower: IVec3::new(-8, 64, 120), size: 8, value: 2.0 }],
             leaves: vec![leaf(at, |x, y, z| (x + 2 * y + 3 * z) as f32)],
+            found: Found::default(),
         };
         let bricks = grid.bricks().expect("it is small").expect("it is not empty");
-        assert_eq!(bricks.largest, 42.0);
+        assert_eq!(grid.largest(), 42.0);
+        // Another camera has the same one.
+        assert!(grid.bricks().is_ok_and(|again| again.is_some_and(|again| Arc::ptr_eq(&again, &bricks))));
         for voxel in [[0, 0, 0], [7, 7, 7], [3, 0, 5], [8, 1, 2]].map(IVec3::from_array) {
             let expected = if voxel.x == 8 { 2.0 } else { (voxel.x + 2 * voxel.y + 3 * voxel.z) as f32 };
             let found = value_at(&bricks, at + voxel);

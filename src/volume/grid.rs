@@ -1,5 +1,7 @@
 //! A grid of numbers.
 
+use std::sync::{Arc, OnceLock};
+
 use glam::{DAffine3, DVec3, IVec3};
 
 use crate::shape::{self, Aabb, Shape};
@@ -15,6 +17,15 @@ pub struct Grid {
     pub active: Option<(IVec3, IVec3)>,
     pub tiles: Vec<Tile>,
     pub leaves: Vec<Leaf>,
+    pub found: Found,
+}
+
+/// Properties of a grid that take a walk over all of it, and are found once: a grid stays for many cameras.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Found {
+    /// The least and the largest value.
+    range: OnceLock<[f32; 2]>,
+    pub(super) bricks: OnceLock<Result<Option<Arc<Bricks>>, String>>,
 }
 
 /// A box of one value.
@@ -34,19 +45,35 @@ pub struct Leaf {
     pub values: Box<[f32; 512]>,
 }
 
+/// The layout of a grid for kernels (`volume::bricks`).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Bricks {
+    /// The number of tiles along each axis.
+    pub tiles: IVec3,
+    /// The index of the voxel at the lower corner of the tiles.
+    pub lower: IVec3,
+    /// The words, in which indices of words count from the first of them.
+    pub words: Vec<u32>,
+}
+
 impl Grid {
     /// The largest value.
     pub fn largest(&self) -> f32 {
-        let of_leaves = self.leaves.iter().flat_map(|leaf| leaf.values.iter().copied());
-        let all = of_leaves.chain(self.tiles.iter().map(|tile| tile.value));
-        all.fold(self.background, f32::max)
+        self.range()[1]
+    }
+
+    fn range(&self) -> [f32; 2] {
+        *self.found.range.get_or_init(|| {
+            let of_leaves = self.leaves.iter().flat_map(|leaf| leaf.values.iter().copied());
+            let all = of_leaves.chain(self.tiles.iter().map(|tile| tile.value));
+            all.fold([self.background; 2], |[least, largest], value| [least.min(value), largest.max(value)])
+        })
     }
 
     /// The warning that some or all of its values are no densities.
     pub fn warning(&self) -> Option<String> {
-        let of_leaves = self.leaves.iter().flat_map(|leaf| leaf.values.iter().copied());
-        let least = of_leaves.chain(self.tiles.iter().map(|tile| tile.value)).fold(self.background, f32::min);
-        if self.active.is_none() || self.largest() <= 0.0 {
+        let [least, largest] = self.range();
+        if self.active.is_none() || largest <= 0.0 {
             return Some(
                 "no voxel of the grid is active and above 0, so that the medium has no effect: choose another grid"
                     .to_owned(),

@@ -186,7 +186,7 @@ fn to_a_floor(samples: u32, most: f64) {
 }
 
 /// Clouds that scatter between a lamp and a floor.
-fn lit(grids: &[(&str, TestGrid<'_>)], media: &str) -> Shot {
+fn lit(seed: u32, grids: &[(&str, TestGrid<'_>)], media: &str) -> Shot {
     let objects = format!(
         "Transformed(by: [Scale(3), Translate((3, 9, 2))], object: Sphere(center: (0, 0, 0), radius: 0.4, material: \"lamp\")),
          Quad(corner: (-9, -3, 9), u: (18, 0, 0), v: (0, 0, -18), material: \"white\"), {media}"
@@ -197,9 +197,7 @@ fn lit(grids: &[(&str, TestGrid<'_>)], media: &str) -> Shot {
         "Solid((0.1, 0.1, 0.1))",
         &objects,
     );
-    let request = Request::spp(256).sobol().mis().roulette().size(32, 32);
-    static SEEDS: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(1);
-    render(&scene, &request.seed(SEEDS.fetch_add(1, std::sync::atomic::Ordering::Relaxed)))
+    render(&scene, &Request::spp(256).seed(seed).sobol().mis().roulette().size(32, 32))
 }
 
 #[test]
@@ -207,16 +205,20 @@ fn a_grid_of_one_value_is_a_constant_medium() {
     let one = |_: [i32; 3]| 0.5;
     let more = "albedo: Rgb(0.9, 0.8, 0.5), anisotropy: 0.4";
     let ball = "boundary: Sphere(center: (0, 0, 0), radius: 1.9)";
-    let constant = lit(&[], &format!("Medium({ball}, density: 0.8, {more})"));
+    let constant = lit(1, &[], &format!("Medium({ball}, density: 0.8, {more})"));
     let within = lit(
+        2,
         &[("density", grid(&one))],
         &format!("Medium({ball}, density: Grid(path: \"grids.vdb\", scale: 1.6), {more})"),
     );
     agree("in a ball", &constant, &within, 0.0);
     // Where the grid ends, its background goes on.
     let small = TestGrid { boxes: &[[[-3; 3], [3; 3]]], background: 0.5, ..grid(&one) };
-    let around =
-        lit(&[("density", small)], &format!("Medium({ball}, density: Grid(path: \"grids.vdb\", scale: 1.6), {more})"));
+    let around = lit(
+        3,
+        &[("density", small)],
+        &format!("Medium({ball}, density: Grid(path: \"grids.vdb\", scale: 1.6), {more})"),
+    );
     agree("around a small grid", &constant, &around, 0.0);
 }
 
@@ -224,8 +226,9 @@ fn a_grid_of_one_value_is_a_constant_medium() {
 fn a_grid_may_have_any_boundary_and_transform() {
     let more = "albedo: Rgb(0.9, 0.8, 0.5), anisotropy: 0.4";
     let of_grid = "density: Grid(path: \"grids.vdb\", scale: 3)";
-    let bare = lit(&[("density", grid(&rough))], &format!("Medium({of_grid}, {more})"));
+    let bare = lit(4, &[("density", grid(&rough))], &format!("Medium({of_grid}, {more})"));
     let boxed = lit(
+        5,
         &[("density", grid(&rough))],
         &format!("Medium(boundary: Box(min: (-4, -2.5, -4), max: (4, 4, 4)), {of_grid}, {more})"),
     );
@@ -240,16 +243,16 @@ fn a_grid_may_have_any_boundary_and_transform() {
         [0.2, 1.5, -1.0, 1.0],
     ];
     let moved = lit(
+        6,
         &[("density", grid(&rough))],
         &format!(
             "Transformed(by: [RotateY(30), Scale(2), Translate((0.2, 1.5, -1))], object: Medium({of_grid}, {more}))"
         ),
     );
-    let mapped = lit(&[("density", TestGrid { map, ..grid(&rough) })], &format!("Medium({of_grid}, {more})"));
+    let mapped = lit(7, &[("density", TestGrid { map, ..grid(&rough) })], &format!("Medium({of_grid}, {more})"));
     agree("by the file's map", &moved, &mapped, 0.0);
     // It moves while the shutter is open for no time: as where it is then.
-    let at_rest = lit(
-        &[("density", grid(&rough))],
+    let at_rest = lit(8, &[("density", grid(&rough))],
         &format!(
             "Moving(keys: [(0, [RotateY(30), Scale(2), Translate((0.2, 1.5, -1))]), (1, [RotateY(90), Scale(2), Translate((0, 0, 0))])],
                 object: Medium({of_grid}, {more}))"

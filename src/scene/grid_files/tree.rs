@@ -18,7 +18,7 @@ const TOO_LARGE: &str = "its values take more memory than grids may take: save i
 
 /// Reads a tree, whose leaves and tiles may take `most_bytes`.
 pub fn read(input: Input, coding: Coding, to_own: DAffine3, most_bytes: usize) -> Result<Grid> {
-    let grid = Grid { background: 0.0, to_own, active: None, tiles: Vec::new(), leaves: Vec::new() };
+    let grid = Grid { to_own, ..Grid::default() };
     let mut tree = Tree { input, coding, grid, room: most_bytes };
     tree.root()?;
     Ok(tree.grid)
