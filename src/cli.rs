@@ -127,11 +127,11 @@ pub struct PathArgs {
 pub struct ViewArgs {
     /// Exposure of the PNG, in stops.
     #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
-    exposure: f64,
+    pub exposure: f64,
     /// Curve of the PNG: `srgb` clips what is brighter than white; `soft` is the same with a shoulder, on which lamps keep their
     /// hue; `neutral` is Khronos PBR Neutral; `filmic` is a film curve with darker shadows (ACES).
     #[arg(long, value_name = "CURVE", value_enum, default_value_t)]
-    tonemap: Tonemap,
+    pub tonemap: Tonemap,
 }
 
 impl ViewArgs {

@@ -27,6 +27,7 @@ mod status;
 mod submit;
 mod target;
 mod tradeoff;
+pub mod view;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
@@ -69,6 +70,8 @@ enum Command {
     Converge(converge::ConvergeArgs),
     /// Show what a scene requires: kernels, buffers and bytes, and which object asked for each.
     Plan(plan::PlanArgs),
+    /// Look around in a scene in a window.
+    View(view::WindowArgs),
     /// Write a scene as a page that renders itself in a browser, by WebGPU.
     Page(page::PageArgs),
     /// Validate a scene without a GPU.
@@ -133,6 +136,7 @@ pub fn run(cli: &Cli, start: std::time::Instant) -> Result<()> {
         Command::Compare(args) => compare::run(args),
         Command::Converge(args) => converge::run(args),
         Command::Plan(args) => plan::run(args),
+        Command::View(args) => view::run(args),
         Command::Page(args) => page::run(args),
         Command::Check(args) => check::run(args),
         Command::Convert(args) => convert::run(args),

@@ -68,6 +68,7 @@ pub use features::{
 pub use hierarchies::Hierarchies;
 pub use neighbours::Neighbours;
 pub use sampled_lights::MOST_LIGHTS;
+pub use view::axes_of;
 
 /// A walk packs six bits with the index of a node (shaders/scene/traverse). This number of nodes takes 4 GiB.
 const MAX_NODES: usize = 1 << 26;

@@ -4,7 +4,7 @@ pub mod destination;
 pub mod display;
 pub mod exr;
 pub mod format;
-mod magma;
+pub mod magma;
 pub mod plot;
 pub mod png;
 pub mod preview;

@@ -8,6 +8,8 @@ mod observers;
 mod record;
 mod request;
 mod resume;
+#[cfg(feature = "window")]
+mod save;
 mod series;
 mod summary;
 mod viewers;
@@ -26,11 +28,13 @@ use crate::threads::join;
 pub use args::RenderArgs;
 use last_write::LastWrite;
 use observers::Observers;
-use record::{Clock, per_sample, record, report};
-pub use record::{Finish, attributes_of};
+use record::{Clock, record, report};
+pub use record::{Finish, Seconds, attributes_of, per_sample};
 pub use request::excluded;
 use request::{Request, denoising_of};
 use resume::starting_film;
+#[cfg(feature = "window")]
+pub use save::save;
 pub use series::{Reported, Series};
 pub use summary::{error_words, matte_warning, noise_words, reliability_warnings};
 use summary::{rejected_words, summarise};

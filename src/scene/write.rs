@@ -9,12 +9,19 @@ use serde::Serialize;
 use super::animation_frame::FPS;
 use super::model::Scene;
 use super::syntax::options;
-use super::types::{Object, Thin};
+use super::types::{Camera, Object, Thin};
 
 impl Scene {
     /// The text of a scene file of this scene.
     pub fn text(&self) -> String {
         self::text(self).unwrap_or_default()
+    }
+}
+
+impl Camera {
+    /// The camera in the notation of scene files, on one line.
+    pub fn text(&self) -> String {
+        value(self).unwrap_or_default()
     }
 }
 

@@ -1,0 +1,95 @@
+//! What the window and the thread that renders tell each other.
+
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::thread::Thread;
+use std::time::Instant;
+
+use super::layers::{Layer, Shown};
+use crate::output::view_transform::ViewTransform;
+use crate::scene::Camera;
+
+/// What the window wants.
+#[derive(Clone, Debug, Default)]
+pub struct Orders {
+    /// The camera in the notation of scene files, if it has been moved.
+    pub camera: Option<String>,
+    pub layer: Layer,
+    /// Counts the changes after which the image is another one.
+    pub revision: u64,
+    /// When the camera was moved last.
+    pub moved: Option<Instant>,
+    pub paused: bool,
+    /// A pixel of the image whose surface is wanted.
+    pub pixel: Option<(u32, u32)>,
+    /// The image is to be saved, with a PNG of this view.
+    pub save: Option<ViewTransform>,
+    pub ends: bool,
+}
+
+/// What the thread has found.
+#[derive(Clone, Debug, Default)]
+pub struct Findings {
+    pub shown: Option<Arc<Shown>>,
+    /// The camera of the scene file, and how often that has been read.
+    pub camera: (Camera, u64),
+    /// The size of the image, and its last sample.
+    pub size: (u32, u32),
+    pub samples: u64,
+    /// What takes time just now; nothing while it renders.
+    pub activity: String,
+    /// What has failed, until something succeeds.
+    pub errors: Vec<String>,
+    /// What was said last, such as the name of a saved file.
+    pub message: String,
+    pub surface: Option<Surface>,
+}
+
+/// What a pixel shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    pub pixel: (u32, u32),
+    /// The names of the object and of its material. Without them the pixel shows no surface.
+    pub names: Option<(String, String)>,
+    /// The distance along the ray, and along the camera's axis, in scene units.
+    pub distance: f64,
+    pub depth: f64,
+}
+
+/// Both, shared by the two threads.
+#[derive(Default)]
+pub struct Link {
+    orders: Mutex<Orders>,
+    findings: Mutex<Findings>,
+    /// The thread that renders.
+    pub renderer: OnceLock<Thread>,
+    /// Wakes the window.
+    pub repaint: OnceLock<Box<dyn Fn() + Send + Sync>>,
+}
+
+/// A poisoned lock still holds a value.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Link {
+    pub fn orders(&self) -> Orders {
+        lock(&self.orders).clone()
+    }
+
+    /// Changes what the window wants, and wakes the thread that renders.
+    pub fn order<T>(&self, change: impl FnOnce(&mut Orders) -> T) -> T {
+        let result = change(&mut lock(&self.orders));
+        self.renderer.get().inspect(|thread| thread.unpark());
+        result
+    }
+
+    pub fn findings(&self) -> Findings {
+        lock(&self.findings).clone()
+    }
+
+    /// Changes what the thread has found, and wakes the window.
+    pub fn tell(&self, change: impl FnOnce(&mut Findings)) {
+        change(&mut lock(&self.findings));
+        self.repaint.get().inspect(|repaint| repaint());
+    }
+}

@@ -1,0 +1,161 @@
+//! How the mouse moves a camera: around its target, across the view, towards the target.
+
+use glam::{DQuat, DVec3};
+
+use crate::flatten::axes_of;
+use crate::scene::{Camera, Projection};
+
+/// The least angle between the view and the vertical, in radians.
+const LEAST_ANGLE: f64 = 0.01;
+/// The height of the film by which a lens has an f-number, in scene units: 24 mm, as one of 35 mm film, where these are metres.
+const FILM_HEIGHT: f64 = 0.024;
+
+/// Turns the camera around its target, by angles in radians: to the right, and downwards.
+pub fn orbit(camera: &mut Camera, right: f64, down: f64) {
+    let vertical = camera.up.normalize_or(DVec3::Y);
+    let axes = axes_of(camera);
+    let angle = axes.z_axis.angle_between(vertical);
+    let within = (angle + down).clamp(LEAST_ANGLE, std::f64::consts::PI - LEAST_ANGLE) - angle;
+    let turn = DQuat::from_axis_angle(vertical, right) * DQuat::from_axis_angle(axes.x_axis, within);
+    camera.look_from = camera.look_at + turn * (camera.look_from - camera.look_at);
+}
+
+/// Moves the camera and its target across the view, in heights of the view at the target.
+pub fn pan(camera: &mut Camera, right: f64, up: f64) {
+    let (axes, height) = (axes_of(camera), height_at_target(camera));
+    let shift = (right * axes.x_axis + up * axes.y_axis) * height;
+    camera.look_from += shift;
+    camera.look_at += shift;
+}
+
+/// Moves the camera to this share of the distance to its target. The plane that is sharp stays at its share of the way. Parallel rays see the same
+/// size from everywhere, so that their image becomes smaller.
+pub fn dolly(camera: &mut Camera, share: f64) {
+    let way = (camera.look_from - camera.look_at) * share;
+    let nearest = camera.look_at.abs().max_element() * 1e-9;
+    if way.length() <= nearest.max(1e-30) || !(way.length() < 1e30) {
+        return;
+    }
+    camera.look_from = camera.look_at + way;
+    camera.focus_distance = camera.focus_distance.map(|focus| focus * share);
+    if let Some(Projection::Orthographic { height }) = &mut camera.projection {
+        *height *= share;
+    }
+}
+
+/// The angle between the upper and the lower edge, in degrees, of a flat film.
+pub fn field_of_view(camera: &Camera) -> Option<f64> {
+    match camera.projection() {
+        Projection::Perspective { vertical_fov } => Some(vertical_fov),
+        _ => None,
+    }
+}
+
+/// Sets that angle. The lens keeps its diameter.
+pub fn set_field_of_view(camera: &mut Camera, degrees: f64) {
+    (camera.vertical_fov, camera.projection) = (Some(degrees), None);
+}
+
+/// The focal length over the diameter of the lens; infinite for a pinhole.
+pub fn f_number(camera: &Camera) -> f64 {
+    focal_length(camera) / camera.aperture
+}
+
+/// Sets that number. An infinite one makes a pinhole.
+pub fn set_f_number(camera: &mut Camera, number: f64) {
+    camera.aperture = focal_length(camera) / number;
+}
+
+fn focal_length(camera: &Camera) -> f64 {
+    let half = field_of_view(camera).unwrap_or(40.0).to_radians() / 2.0;
+    FILM_HEIGHT / 2.0 / half.tan()
+}
+
+/// Makes what is at this distance along the camera's axis sharp.
+pub fn focus_at(camera: &mut Camera, distance: f64) {
+    camera.focus_distance = Some(distance);
+}
+
+fn height_at_target(camera: &Camera) -> f64 {
+    let distance = (camera.look_from - camera.look_at).length();
+    match camera.projection() {
+        Projection::Perspective { vertical_fov } => 2.0 * distance * (vertical_fov.to_radians() / 2.0).tan(),
+        Projection::Orthographic { height } => height,
+        _ => distance,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn camera() -> Camera {
+        let mut camera = Camera::pinhole(DVec3::new(3.0, 4.0, 12.0), DVec3::ZERO, DVec3::Y, 40.0);
+        camera.focus_distance = Some(6.5);
+        camera
+    }
+
+    fn near(a: DVec3, b: DVec3) -> bool {
+        (a - b).length() < 1e-12 * (1.0 + b.length())
+    }
+
+    #[test]
+    fn an_orbit_keeps_the_distance_and_stays_off_the_poles() {
+        let mut moved = camera();
+        orbit(&mut moved, 1.0, 0.2);
+        assert!((moved.look_from.length() - 13.0).abs() < 1e-12 && moved.look_at == DVec3::ZERO);
+        orbit(&mut moved, -1.0, -0.2);
+        assert!(near(moved.look_from, camera().look_from), "{moved:?}");
+        orbit(&mut moved, 0.0, 100.0);
+        assert!((axes_of(&moved).z_axis.angle_between(DVec3::NEG_Y) - LEAST_ANGLE).abs() < 1e-9);
+        orbit(&mut moved, 0.0, -100.0);
+        assert!((axes_of(&moved).z_axis.angle_between(DVec3::Y) - LEAST_ANGLE).abs() < 1e-9);
+    }
+
+    /// A quarter of a turn to the right brings what was on +z to +x.
+    #[test]
+    fn an_orbit_to_the_right_turns_around_the_vertical() {
+        let mut moved = Camera::pinhole(DVec3::Z, DVec3::ZERO, DVec3::Y, 40.0);
+        orbit(&mut moved, std::f64::consts::FRAC_PI_2, 0.0);
+        assert!(near(moved.look_from, DVec3::X), "{moved:?}");
+    }
+
+    /// A shift by one height brings the upper edge of the view to the lower one.
+    #[test]
+    fn a_pan_is_in_heights_of_the_view() {
+        let mut moved = Camera::pinhole(DVec3::new(0.0, 0.0, 2.0), DVec3::ZERO, DVec3::Y, 90.0);
+        pan(&mut moved, 0.5, 1.0);
+        assert!(near(moved.look_at, DVec3::new(2.0, 4.0, 0.0)) && near(moved.look_from, DVec3::new(2.0, 4.0, 2.0)));
+        let orthographic = Some(Projection::Orthographic { height: 3.0 });
+        let mut moved = Camera { vertical_fov: None, projection: orthographic, ..moved };
+        pan(&mut moved, 0.0, -1.0);
+        assert!(near(moved.look_at, DVec3::new(2.0, 1.0, 0.0)));
+        dolly(&mut moved, 0.5);
+        assert!(moved.projection == Some(Projection::Orthographic { height: 1.5 }));
+    }
+
+    #[test]
+    fn a_dolly_keeps_the_direction_and_the_share_of_the_focus() {
+        let mut moved = camera();
+        dolly(&mut moved, 0.5);
+        assert!(near(moved.look_from, camera().look_from / 2.0) && moved.focus_distance == Some(3.25));
+        // It never reaches the target, nor infinity.
+        (0..10_000).for_each(|_| dolly(&mut moved, 0.5));
+        assert!(moved.look_from != moved.look_at && moved.look_from.is_finite());
+        (0..10_000).for_each(|_| dolly(&mut moved, 2.0));
+        assert!(moved.look_from.is_finite());
+    }
+
+    #[test]
+    fn an_f_number_is_the_focal_length_over_the_diameter() {
+        let mut lens = camera();
+        assert!(f_number(&lens).is_infinite());
+        // 24 mm of film at 40 degrees: a lens of 32.97 mm.
+        set_f_number(&mut lens, 2.0);
+        assert!((lens.aperture - 0.016_484_9).abs() < 1e-6 && (f_number(&lens) - 2.0).abs() < 1e-12, "{lens:?}");
+        set_f_number(&mut lens, f64::INFINITY);
+        assert_eq!(lens.aperture, 0.0);
+        set_field_of_view(&mut lens, 90.0);
+        assert_eq!(field_of_view(&lens), Some(90.0));
+    }
+}
