@@ -11,10 +11,14 @@ mod rendering;
 #[cfg(feature = "window")]
 mod window;
 
+use std::path::PathBuf;
+
 use clap::Args;
 
 #[cfg(feature = "window")]
-pub use {link::Link, rendering::Rendering, window::Window};
+pub use link::{Findings, Link};
+#[cfg(feature = "window")]
+pub use {rendering::Rendering, window::Window};
 
 use crate::cli::{PathArgs, SceneArgs, ViewArgs, samples};
 use crate::error::Result;
@@ -25,6 +29,9 @@ use crate::options::{RenderOptions, SIZE, SPP};
 pub struct WindowArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
+    /// The image that S saves, beside a PNG of its name [default: the scene's name with .exr]. A file that exists stays: the name gets a number.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
     #[arg(long, value_name = "WxH|W|N%", help = SIZE.about, long_help = SIZE.help(), help_heading = SIZE.class.heading())]
     pub size: Option<Size>,
     #[arg(long, value_name = "N", value_parser = samples(), help = SPP.about, long_help = SPP.help(),

@@ -18,16 +18,8 @@ pub enum Layer {
 }
 
 /// The channels that the window offers.
-pub const AOVS: [Aov; 8] = [
-    Aov::Albedo,
-    Aov::Normal,
-    Aov::Depth,
-    Aov::Position,
-    Aov::Object,
-    Aov::Material,
-    Aov::Direct,
-    Aov::Indirect,
-];
+pub const AOVS: [Aov; 8] =
+    [Aov::Albedo, Aov::Normal, Aov::Depth, Aov::Position, Aov::Object, Aov::Material, Aov::Direct, Aov::Indirect];
 
 /// The relative error that the map shows as white.
 const WHITE_ERROR: f64 = 1.0;

@@ -290,7 +290,7 @@ impl Rendering {
             self.prepare(orders, frame.part.size())?;
         }
         let Some((_, film)) = &self.film else { return Ok(()) };
-        let exr = unused(&self.args.default_image());
+        let exr = unused(&self.args.image());
         let (mut args, png) = (self.args.clone(), exr.with_extension("png"));
         (args.files.output, args.files.png) = (Some(exr.clone()), Some(png.clone()));
         args.goal.spp = u32::try_from(film.samples.count()).ok();
@@ -328,8 +328,7 @@ impl Rendering {
         };
         let (object, material) = (value(Aov::Object), value(Aov::Material));
         let view = &session.scene;
-        let names =
-            (object > 0.0).then(|| (name(&view.object_names, object), name(&view.material_names, material)));
+        let names = (object > 0.0).then(|| (name(&view.object_names, object), name(&view.material_names, material)));
         let (distance, depth) = (f64::from(value(Aov::Distance0)), f64::from(value(Aov::Depth0)));
         let surface = Surface { pixel: (x, y), names, distance, depth };
         self.link.tell(|findings| findings.surface = Some(surface));
@@ -402,12 +401,12 @@ impl Rendering {
 
 impl WindowArgs {
     fn into_render(self) -> RenderArgs {
-        let WindowArgs { scene, size, spp, paths, view, watch, mut options } = self;
+        let WindowArgs { scene, output, size, spp, paths, view, watch, mut options } = self;
         options.aov.complete(is_gltf(&scene.path));
         let messages = MessageArgs { quiet: true, ..MessageArgs::default() };
         let mut args = RenderArgs { scene, paths, view, options, messages, ..RenderArgs::default() };
         args.goal = GoalArgs { size, spp, ..GoalArgs::default() };
-        args.keep.watch = watch;
+        (args.files.output, args.keep.watch) = (output, watch);
         args
     }
 }
@@ -471,7 +470,11 @@ impl Observer for Following<'_> {
         match () {
             () if orders.ends || has_changed => Next::Drop,
             () if !self.ends_with_change => Next::GoOn,
-            () if orders.paused || orders.pixel.is_some() || orders.save.is_some() || orders.layer != self.orders.layer => {
+            () if orders.paused
+                || orders.pixel.is_some()
+                || orders.save.is_some()
+                || orders.layer != self.orders.layer =>
+            {
                 Next::Stop
             }
             () if self.show.is_some() && now >= self.next => Next::Snapshot,

@@ -1,22 +1,21 @@
 //! The window: the image, the settings beside it, and what the mouse and the keys do.
 
+use std::panic::{self, AssertUnwindSafe};
 use std::sync::Arc;
 use std::thread::{self, Builder, JoinHandle, sleep};
 use std::time::{Duration, Instant};
 
 use clap::ValueEnum;
 use eframe::egui::{
-    self, Button, CentralPanel, Color32, ColorImage, ComboBox, DragValue, Key, Panel, PointerButton, Pos2, Rect, Response, Role,
-    RichText, ScrollArea, Sense, TextureHandle, TextureOptions, Ui, ViewportBuilder, ViewportCommand, WidgetInfo,
-    pos2, vec2,
+    self, Button, CentralPanel, Color32, ColorImage, ComboBox, DragValue, Key, Panel, PointerButton, Pos2, Rect,
+    Response, RichText, Role, ScrollArea, Sense, TextureHandle, TextureOptions, Ui, ViewportBuilder, ViewportCommand,
+    WidgetInfo, pos2, vec2,
 };
 use eframe::{App, Error as WindowError, Frame, NativeOptions};
 
 use super::layers::{AOVS, Layer, Shown};
 use super::link::{Findings, Link, Surface};
-use super::navigation::{
-    dolly, f_number, field_of_view, focus_at, orbit, pan, set_f_number, set_field_of_view,
-};
+use super::navigation::{dolly, f_number, field_of_view, focus_at, orbit, pan, set_f_number, set_field_of_view};
 use super::{Rendering, WindowArgs};
 use crate::aov::Aov;
 use crate::commands::console::tell;
@@ -46,7 +45,8 @@ const SETTINGS: f32 = 260.0;
 /// The state of the window.
 pub struct Window {
     link: Arc<Link>,
-    signals: Signals,
+    /// Those that close it.
+    signals: Option<Signals>,
     camera: Camera,
     /// The camera of the scene, and how often that had been read.
     scene: (Camera, u64),
@@ -75,7 +75,8 @@ pub fn run(args: &WindowArgs) -> Result<()> {
     let signals = Signals::listen("nothing has been written");
     let link = Arc::<Link>::default();
     let rendering = Rendering::open(args, Arc::clone(&link))?;
-    let window = Window::new(Arc::clone(&link), signals.clone(), args.view.transform());
+    let mut window = Window::new(Arc::clone(&link), args.view.transform());
+    window.signals = Some(signals.clone());
     let (width, height) = link.findings().size;
     let size = vec2((width as f32 + SETTINGS).min(LARGEST.0), (height as f32 + 60.0).clamp(480.0, LARGEST.1));
     let title = format!("{} - gpu-rt", name_of(&args.scene.path));
@@ -85,21 +86,40 @@ pub fn run(args: &WindowArgs) -> Result<()> {
     let renderer = spawned.map_err(|error| Error::Device(format!("the system gives no thread: {error}")))?;
     let (theirs, came) = (Arc::clone(&link), signals.clone());
     let camera = Arc::clone(&link);
-    let opened = eframe::run_native("gpu-rt", options, Box::new(move |context| {
+    let create: eframe::AppCreator<'_> = Box::new(move |context| {
         let ctx = context.egui_ctx.clone();
         let _ = theirs.repaint.set(Box::new(move || ctx.request_repaint()));
         wake_for(came, theirs);
         Ok(Box::new(window))
-    }));
+    });
+    let opened = caught(|| eframe::run_native("gpu-rt", options, create));
     if let Some(text) = camera.orders().camera {
         tell(&format!("camera: {text}"));
     }
     end(&link, renderer);
     match opened {
         _ if signals.have_come() => Err(signals.interrupted("the window is closed")),
-        Ok(()) => Ok(()),
-        Err(error) => Err(explained(&error)),
+        Ok(result) => result.map_err(|error| explained(&error)),
+        Err(reason) => Err(Error::Device(format!("the display has failed: {reason}"))),
     }
+}
+
+/// The result of the window. Where its display goes, or another program destroys it, the libraries of windows panic: that is an error, whose reason is
+/// returned.
+fn caught<T>(window: impl FnOnce() -> T) -> std::result::Result<T, String> {
+    let (this, before) = (thread::current().id(), Arc::new(panic::take_hook()));
+    let others = Arc::clone(&before);
+    panic::set_hook(Box::new(move |info| {
+        if thread::current().id() != this {
+            others(info);
+        }
+    }));
+    let result = panic::catch_unwind(AssertUnwindSafe(window));
+    panic::set_hook(Box::new(move |info| before(info)));
+    result.map_err(|panic| {
+        let text = panic.downcast_ref::<String>().cloned();
+        text.or(panic.downcast_ref::<&str>().map(|text| (*text).to_owned())).unwrap_or_default()
+    })
 }
 
 /// Wakes the window when a signal comes. Without a thread for that, a signal is noticed with the next picture.
@@ -145,7 +165,9 @@ fn explained(error: &WindowError) -> Error {
             let words = error.to_string();
             no_display(words.rsplit(": ").next().unwrap_or_default().trim_end_matches('.'))
         }
-        _ => Error::Device(format!("the window cannot be drawn by OpenGL: {error}. `gpu-rt render --preview` needs none")),
+        _ => Error::Device(format!(
+            "the window cannot be drawn by OpenGL: {error}. `gpu-rt render --preview` needs none"
+        )),
     }
 }
 
@@ -156,11 +178,12 @@ impl App for Window {
 }
 
 impl Window {
-    pub fn new(link: Arc<Link>, signals: Signals, view: ViewTransform) -> Window {
+    /// The window of a scene that has been read.
+    pub fn new(link: Arc<Link>, view: ViewTransform) -> Window {
         let scene = link.findings().camera;
         Window {
             link,
-            signals,
+            signals: None,
             camera: scene.0.clone(),
             scene,
             is_moved: false,
@@ -181,7 +204,7 @@ impl Window {
 
     /// Draws the window, and takes what the user does.
     pub fn draw(&mut self, ui: &mut Ui) {
-        if self.signals.have_come() {
+        if self.signals.as_ref().is_some_and(Signals::have_come) {
             ui.ctx().send_viewport_cmd(ViewportCommand::Close);
         }
         let findings = self.link.findings();
@@ -272,6 +295,7 @@ impl Window {
                 (None, Key::F) => self.focuses = !self.focuses,
                 (None, Key::C) => self.copy(ui),
                 (None, Key::S) => self.order_save(),
+                (None, Key::Q) => ui.ctx().send_viewport_cmd(ViewportCommand::Close),
                 (None, Key::R) => self.link.order(|orders| orders.revision += 1),
                 _ => {}
             }
@@ -313,7 +337,8 @@ impl Window {
             self.camera = camera;
             self.moved();
         }
-        ui.toggle_value(&mut self.focuses, "Focus by a click").on_hover_text("F. The next click on the image makes that sharp");
+        ui.toggle_value(&mut self.focuses, "Focus by a click")
+            .on_hover_text("F. The next click on the image makes that sharp");
         ui.horizontal(|ui| {
             if ui.button("Reset").on_hover_text("0. The camera of the scene").clicked() {
                 self.reset();
@@ -357,7 +382,8 @@ impl Window {
             let label = ui.label("Exposure, stops");
             ui.add(DragValue::new(&mut self.view.exposure).range(-100.0..=100.0).speed(0.02)).labelled_by(label.id);
         });
-        let curve = |curve: Tonemap| curve.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
+        let curve =
+            |curve: Tonemap| curve.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
         ComboBox::from_label("Curve").selected_text(curve(self.view.tonemap)).show_ui(ui, |ui| {
             for one in Tonemap::value_variants() {
                 ui.selectable_value(&mut self.view.tonemap, *one, curve(*one));
@@ -368,12 +394,14 @@ impl Window {
             Layer::Radiance => "radiance".to_owned(),
             Layer::Error => "error, 0.1 % to 100 %".to_owned(),
             Layer::Of { aov: Aov::Lights, number } => lights.get(number).cloned().unwrap_or_default(),
-            Layer::Of { aov, .. } => aov.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned()),
+            Layer::Of { aov, .. } => {
+                aov.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+            }
         };
         let of_aovs = AOVS.map(|aov| Layer::Of { aov, number: 0 });
         let of_lights = (0..lights.len()).map(|number| Layer::Of { aov: Aov::Lights, number });
         let before = self.layer;
-        ComboBox::from_label("Layer").selected_text(name(self.layer)).show_ui(ui, |ui| {
+        ComboBox::from_label("Layer").height(400.0).selected_text(name(self.layer)).show_ui(ui, |ui| {
             for layer in [Layer::Radiance, Layer::Error].into_iter().chain(of_aovs).chain(of_lights) {
                 ui.selectable_value(&mut self.layer, layer, name(layer));
             }
@@ -506,4 +534,3 @@ fn words_of_pixel(shown: &Shown, pixel: (u32, u32), size: (u32, u32)) -> String 
     let values = shown.values.get(index).map_or_else(String::new, |values| format!("\nlayer {}", numbers(*values)));
     format!("{}, {}\nradiance {}\n{words}{values}", pixel.0, pixel.1, numbers(*rgb))
 }
-
