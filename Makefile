@@ -2,7 +2,10 @@
 # a C linker, a Vulkan driver where none answers, and for the tests Python with pip, which fetches Open Image Denoise.
 
 CARGO ?= cargo
-GPU_RT = $(CARGO) run --release --quiet --
+# What is tested is what releases have: the program with the window of `gpu-rt view`.
+BUILD = --release --features window
+GPU_RT = $(CARGO) run $(BUILD) --quiet --
+PROGRAM = $(CARGO) run --release --quiet --
 
 # `$(call install,PACKAGES,WHY)`: apt-get, as root or through sudo.
 define install
@@ -15,14 +18,14 @@ define install
 }
 endef
 
-.PHONY: render test test-programs driver oidn wheel test-python pip blender validate test-blender test-page pages bpy quick test-long test-slurm slurm test-tint test-skies test-files fuzz soak test-drivers accuracy gpu gpu-kit gpu-compile lint toolchain
+.PHONY: render test test-programs driver display oidn wheel test-python pip blender validate test-blender test-page pages bpy quick test-long test-slurm slurm test-tint test-skies test-files fuzz soak test-drivers accuracy gpu gpu-kit gpu-compile lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
 	$(CARGO) build --release
-	@$(GPU_RT) devices >/dev/null 2>&1 || $(call install, libvulkan1 mesa-vulkan-drivers, no Vulkan driver answers)
+	@$(PROGRAM) devices >/dev/null 2>&1 || $(call install, libvulkan1 mesa-vulkan-drivers, no Vulkan driver answers)
 	@mkdir -p out
-	$(GPU_RT) render scenes/weekend.ron --size 800x450 --time 50s --spp 4096 -o out/weekend.exr --png out/weekend.png --force
+	$(PROGRAM) render scenes/weekend.ron --size 800x450 --time 50s --spp 4096 -o out/weekend.exr --png out/weekend.png --force
 
 # The tests run on a software driver, which they choose by themselves; GPU_RT_TEST_DEVICE names another device.
 # LVP_POISON_MEMORY makes Mesa's software driver fill fresh memory with junk, so that reading what nobody wrote shows.
@@ -32,19 +35,19 @@ test test-programs: export LVP_POISON_MEMORY = true
 # Mesa's device-select layer complains on every run where there is no desktop session to ask about GPUs.
 test test-programs: export NODEVICE_SELECT = 1
 test: test-programs
-	$(CARGO) test --release --doc
+	$(CARGO) test $(BUILD) --doc
 	@$(MAKE) --no-print-directory test-python
 
-test-programs: toolchain oidn
-	$(CARGO) test --release --no-run $(PROGRAMS)
+test-programs: toolchain oidn display
+	$(CARGO) test $(BUILD) --no-run $(PROGRAMS)
 	@$(MAKE) --no-print-directory driver
-	tests/slowest.sh $(CARGO) test --release $(PROGRAMS)
+	tests/slowest.sh $(CARGO) test $(BUILD) $(PROGRAMS)
 
-# The package for Python, of the program that `cargo build --release` builds: target/wheels/gpu_rt-VERSION-….whl. Its name has the oldest
+# The package for Python, of the program that the tests build: target/wheels/gpu_rt-VERSION-….whl. Its name has the oldest
 # glibc that it runs with, so that pip refuses it elsewhere.
 wheel: toolchain pip
 	rm -rf target/wheels
-	MATURIN_PEP517_ARGS="--compatibility pypi" python3 -m pip wheel --quiet --no-deps --wheel-dir target/wheels .
+	MATURIN_PEP517_ARGS="--compatibility pypi --features window" python3 -m pip wheel --quiet --no-deps --wheel-dir target/wheels .
 
 # What users of the wheel get: it is installed into an empty environment, and tested there with nothing else on PATH, Rust neither.
 PYTHON_TESTS ?= discover --start-directory tests/python
@@ -71,7 +74,7 @@ validate:
 BLENDER_TESTS ?= test_extension
 test-blender: export NODEVICE_SELECT = 1
 test-blender: toolchain blender driver
-	$(CARGO) build --release
+	$(CARGO) build $(BUILD)
 	PATH="$(CURDIR)/target/release:$$PATH" PYTHONPATH=tests/blender \
 		target/bpy/bin/python -B -W ignore::DeprecationWarning -m unittest $(BLENDER_TESTS)
 
@@ -80,14 +83,14 @@ test-page: toolchain
 	@command -v npm >/dev/null || $(call install, nodejs npm, no node answers)
 	@command -v chromium >/dev/null || $(call install, chromium, Chromium is missing)
 	cd tests/page && npm ci --silent
-	$(CARGO) build --release
+	$(CARGO) build $(BUILD)
 	PATH="$(CURDIR)/target/release:$$PATH" node --test tests/page/dawn.test.mjs
 	PATH="$(CURDIR)/target/release:$$PATH" node --test tests/page/browser.test.mjs
 
 # Pages of some scenes, with an index, for a server of files: target/pages.
 PAGES = weekend.ron cornell.ron glass.ron lights.ron still-life.glb window.ron motion.ron
 pages: toolchain
-	$(CARGO) build --release
+	$(CARGO) build $(BUILD)
 	@set -e; for scene in $(PAGES); do to=target/pages/$${scene%%.*}; echo "$$to"; $(GPU_RT) page scenes/$$scene -o $$to; done
 	@{ echo '<!doctype html><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>gpu-rt</title>'; \
 		echo '<h1>Scenes that render themselves</h1>'; \
@@ -117,6 +120,11 @@ driver: toolchain
 	@[ -n "$(GPU_RT_TEST_DEVICE)" ] || $(GPU_RT) devices --json 2>/dev/null | grep -q '"software": true' || \
 		$(call install, libvulkan1 mesa-vulkan-drivers, no software Vulkan driver answers)
 
+# A display that nobody sees, with a mouse, and what a window loads.
+display:
+	@{ command -v Xvfb && command -v xdotool; } >/dev/null || \
+		$(call install, xvfb xdotool libegl1 libgl1 libgl1-mesa-dri libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0 libxrandr2, no Xvfb with xdotool is here)
+
 # Open Image Denoise, which the tests denoise with, unless OIDN_DIR names its folder. Python only fetches it and checks its hash.
 oidn: pip
 	@[ -n "$(OIDN_DIR)" ] || cmp -s tests/oidn/requirements.txt target/oidn/requirements.txt || { \
@@ -139,11 +147,11 @@ test-long soak: export MALLOC_ARENA_MAX = 1
 # What takes minutes: statistics of thousands of renders, and 1e9 paths through all scenes.
 test-long: export NODEVICE_SELECT = 1
 test-long: toolchain
-	$(CARGO) test --release --test long --test unchanged --test program --test images --test kernels -- --ignored --nocapture
+	$(CARGO) test $(BUILD) --test long --test unchanged --test program --test images --test kernels -- --ignored --nocapture
 
 # A render over a real Slurm, with two nodes on this machine, of which one fails. About a minute, as root.
 test-slurm: toolchain slurm
-	$(CARGO) build --release
+	$(CARGO) build $(BUILD)
 	@root=; [ "$$(id -u)" = 0 ] || root=sudo; $$root tests/slurm/run.sh
 
 slurm:
@@ -153,20 +161,20 @@ slurm:
 # Whether the kernels are valid WGSL by Tint, the compiler of Chrome and Dawn, which is stricter than naga. It needs no driver.
 test-tint: export NODEVICE_SELECT = 1
 test-tint: toolchain
-	$(CARGO) build --release
+	$(CARGO) build $(BUILD)
 	@command -v npm >/dev/null || $(call install, nodejs npm, no Node.js runs Tint)
 	tests/tint/run.sh target/release/gpu-rt
 
 # Environment maps that people use, from npm and from Blender's module.
 test-skies: export NODEVICE_SELECT = 1
 test-skies: toolchain bpy driver
-	$(CARGO) build --release
+	$(CARGO) build $(BUILD)
 	@command -v npm >/dev/null || $(call install, nodejs npm, no Node.js unpacks the packages of npm)
 	tests/skies/run.sh target/release/gpu-rt target/bpy/lib/python3.*/site-packages/bpy/*/datafiles/studiolights/world
 
 # Files as people bring them, which npm fetches (90 MB).
 test-files: toolchain
-	$(CARGO) build --release
+	$(CARGO) build $(BUILD)
 	@command -v npm >/dev/null || $(call install, nodejs npm, no npm fetches files)
 	tests/files/run.sh target/release/gpu-rt
 
@@ -174,14 +182,14 @@ test-files: toolchain
 COUNT ?= 100000
 SEED ?= 2
 fuzz: toolchain
-	GPU_RT_FUZZ_COUNT=$(COUNT) GPU_RT_FUZZ_SEED=$(SEED) $(CARGO) test --release --test long -- --exact fuzz::many_damaged_files_are_read_or_refused --ignored --nocapture
+	GPU_RT_FUZZ_COUNT=$(COUNT) GPU_RT_FUZZ_SEED=$(SEED) $(CARGO) test $(BUILD) --test long -- --exact fuzz::many_damaged_files_are_read_or_refused --ignored --nocapture
 
 # Random scenes from the seed FIRST on, for SECONDS after the first hundred.
 SECONDS ?= 1800
 FIRST ?= 1000
 soak: export NODEVICE_SELECT = 1
 soak: toolchain
-	GPU_RT_SOAK_SECONDS=$(SECONDS) GPU_RT_SOAK_SEED=$(FIRST) $(CARGO) test --release --test long -- --exact soak::many_random_scenes_render_without_a_fault --ignored --nocapture
+	GPU_RT_SOAK_SECONDS=$(SECONDS) GPU_RT_SOAK_SEED=$(FIRST) $(CARGO) test $(BUILD) --test long -- --exact soak::many_random_scenes_render_without_a_fault --ignored --nocapture
 
 # The same tests on several drivers, fetched and not installed: a second opinion on every number.
 test-drivers: toolchain oidn
@@ -191,7 +199,7 @@ test-drivers: toolchain oidn
 BUDGET ?= 70s
 accuracy: export NODEVICE_SELECT = 1
 accuracy: toolchain oidn
-	OIDN_DIR=$${OIDN_DIR:-$(CURDIR)/target/oidn/pyoidn/oidn/lib} $(CARGO) bench --bench accuracy -- --budget $(BUDGET)
+	OIDN_DIR=$${OIDN_DIR:-$(CURDIR)/target/oidn/pyoidn/oidn/lib} $(CARGO) bench --features window --bench accuracy -- --budget $(BUDGET)
 
 # Every kernel compiled for GPUs that are not here, compared with docs/dev/gpu-kernels.tsv, which GPU_RT_RENEW=1 writes anew.
 gpu-compile: export NODEVICE_SELECT = 1
@@ -200,7 +208,7 @@ gpu-compile: toolchain
 	@[ -n "$$VK_DRIVER_FILES" ] || ls /usr/share/vulkan/icd.d/radeon_icd* >/dev/null 2>&1 || \
 		$(call install, libvulkan1 mesa-vulkan-drivers, Mesa's RADV is missing)
 	@settings=; [ -n "$$VK_DRIVER_FILES" ] || settings=$$(tests/drivers/matrix.sh radv) || echo "using the installed Mesa"; \
-		env $$settings $(CARGO) bench --bench gpu_compile
+		env $$settings $(CARGO) bench --features window --bench gpu_compile
 
 # On a machine with a GPU: the tests on it, and what it renders by which settings, within nine minutes. docs/gpu-NAME.md has it then.
 # DEVICE names another device than the default.
@@ -212,21 +220,22 @@ gpu: gpu-kit
 
 # What that runs, for a machine without a compiler: copy the repository and this folder, and run target/gpu-kit/run.sh.
 gpu-kit: toolchain
-	$(CARGO) build --release
-	$(CARGO) bench --no-run --bench gpu
+	$(CARGO) build $(BUILD)
+	$(CARGO) bench --features window --no-run --bench gpu
 	rm -rf target/gpu-kit && mkdir -p target/gpu-kit
 	cp target/release/gpu-rt tests/gpu/run.sh target/gpu-kit
 	@echo "$(CURDIR)" >target/gpu-kit/root
 	@for name in kernels images; do \
-		cp "$$($(CARGO) test --release --no-run --test $$name 2>&1 | sed -n 's/.*(\(target[^)]*\))$$/\1/p')" target/gpu-kit/$$name || exit 1; \
+		cp "$$($(CARGO) test $(BUILD) --no-run --test $$name 2>&1 | sed -n 's/.*(\(target[^)]*\))$$/\1/p')" target/gpu-kit/$$name || exit 1; \
 	done
-	cp "$$($(CARGO) bench --no-run --bench gpu 2>&1 | sed -n 's/.*(\(target[^)]*\))$$/\1/p')" target/gpu-kit/gpu
+	cp "$$($(CARGO) bench --features window --no-run --bench gpu 2>&1 | sed -n 's/.*(\(target[^)]*\))$$/\1/p')" target/gpu-kit/gpu
 	cd target/gpu-kit && gzip gpu-rt kernels images gpu
 	@bytes=$$(du -sb target/gpu-kit | cut -f1); [ "$$bytes" -lt 67108864 ] || { echo "error: target/gpu-kit has $$bytes bytes" >&2; exit 1; }
 
 lint: toolchain
 	$(CARGO) fmt --check
 	$(CARGO) clippy --release --all-targets -- -D warnings
+	$(CARGO) clippy $(BUILD) --all-targets -- -D warnings
 
 toolchain:
 	@command -v $(CARGO) >/dev/null || { echo "error: cargo is missing: install Rust, https://rustup.rs" >&2; exit 1; }

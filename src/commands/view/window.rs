@@ -1,5 +1,10 @@
 //! The window: the image, the settings beside it, and what the mouse and the keys do.
 
+mod layers;
+mod link;
+mod navigation;
+mod rendering;
+
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::Arc;
 use std::thread::{self, Builder, JoinHandle, sleep};
@@ -13,10 +18,7 @@ use eframe::egui::{
 };
 use eframe::{App, Error as WindowError, Frame, NativeOptions};
 
-use super::layers::{AOVS, Layer, Shown};
-use super::link::{Findings, Link, Surface};
-use super::navigation::{dolly, f_number, field_of_view, focus_at, orbit, pan, set_f_number, set_field_of_view};
-use super::{Rendering, WindowArgs};
+use super::args::WindowArgs;
 use crate::aov::Aov;
 use crate::commands::console::tell;
 use crate::commands::scene::name_of;
@@ -25,6 +27,11 @@ use crate::error::{Error, Result};
 use crate::output::view_transform::{Tonemap, ViewTransform};
 use crate::printable::percent;
 use crate::scene::Camera;
+use layers::{AOVS, Layer, Shown};
+use link::Surface;
+pub use link::{Findings, Link};
+use navigation::{dolly, f_number, field_of_view, focus_at, orbit, pan, set_f_number, set_field_of_view};
+pub use rendering::Rendering;
 
 /// The angle for a drag over the height of the image, in radians, and for a key.
 const TURN: f64 = 3.0;

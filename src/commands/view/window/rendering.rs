@@ -5,7 +5,6 @@ use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::WindowArgs;
 use super::layers::{Layer, Shown};
 use super::link::{Link, Orders, Surface};
 use crate::aov::Aov;
@@ -15,9 +14,10 @@ use crate::commands::render::args::{GoalArgs, MessageArgs};
 use crate::commands::render::{Finish, RenderArgs, Seconds, Series, error_words, per_sample, save};
 use crate::commands::scene::{size_of, stem_of, tell_biases};
 use crate::commands::signals::WAIT;
+use crate::commands::view::args::WindowArgs;
 use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};
-use crate::film::{Accumulation, Film};
+use crate::film::Accumulation;
 use crate::flatten::DeviceScene;
 use crate::gpu::device::Device;
 use crate::job::{Crop, Frame, Goal, Job, Size};
@@ -218,7 +218,6 @@ impl Rendering {
         let count = ((self.pace * SMALL_TIME) as u32).clamp(1, RUN_LENGTH);
         let job = self.job(size, count);
         let mut following = Following::new(&self.link, orders, (&self.args.options, size));
-        following.ends_with_change = false;
         self.series.session.render(&job, &mut film, &mut following)?;
         drop(following);
         self.pace = f64::from(count) / begin.elapsed().as_secs_f64();
@@ -244,10 +243,8 @@ impl Rendering {
         let held = film.samples.range().end;
         let end = (held / RUN_LENGTH).saturating_add(runs).saturating_mul(RUN_LENGTH).min(self.samples());
         let job = self.job(size, end);
-        let before = self.link.findings().shown;
-        let layer = orders.layer;
         let mut following = Following::new(&self.link, orders, (&self.args.options, size));
-        following.show = Some(Box::new(move |film: &Film| Shown::new(film, layer, before.as_deref())));
+        following.is_of_image = true;
         let rendered = self.series.session.render(&job, &mut film, &mut following);
         drop(following);
         if matches!(rendered, Err(Error::Dropped)) {
@@ -290,7 +287,7 @@ impl Rendering {
             self.prepare(orders, frame.part.size())?;
         }
         let Some((_, film)) = &self.film else { return Ok(()) };
-        let exr = unused(&self.args.image());
+        let exr = unused(&self.args.image().with_extension("exr"));
         let (mut args, png) = (self.args.clone(), exr.with_extension("png"));
         (args.files.output, args.files.png) = (Some(exr.clone()), Some(png.clone()));
         args.goal.spp = u32::try_from(film.samples.count()).ok();
@@ -426,16 +423,17 @@ struct Following<'a> {
     /// Those of the film, for one that begins anew.
     options: RenderOptions,
     size: (u32, u32),
-    ends_with_change: bool,
-    /// Makes a picture of a film whose samples are under way.
-    show: Option<Box<dyn Fn(&Film) -> Shown + Send + 'a>>,
+    /// Whether the image is rendered, which ends with a change and is shown meanwhile. A small picture is not.
+    is_of_image: bool,
+    /// What the window showed before.
+    before: Option<Arc<Shown>>,
     next: Instant,
 }
 
 impl Following<'_> {
     fn new<'a>(link: &'a Link, orders: &'a Orders, (options, size): (&RenderOptions, (u32, u32))) -> Following<'a> {
         let (options, next) = (options.clone(), Instant::now() + PAUSE / 2);
-        Following { link, orders, options, size, ends_with_change: true, show: None, next }
+        Following { link, orders, options, size, is_of_image: false, before: link.findings().shown, next }
     }
 }
 
@@ -451,8 +449,8 @@ impl Observer for Following<'_> {
 
     fn follow(&mut self, _: &Outcome, snapshot: Option<Snapshot<'_>>) -> Next {
         let now = Instant::now();
-        if let (Some(snapshot), Some(show)) = (snapshot, &self.show) {
-            let mut shown = show(&snapshot.film.film);
+        if let Some(snapshot) = snapshot {
+            let mut shown = Shown::new(&snapshot.film.film, self.orders.layer, self.before.as_deref());
             shown.revision = self.orders.revision;
             // Its error is that of the last complete runs.
             if let Some(before) = self.link.findings().shown.filter(|before| !before.is_small)
@@ -466,10 +464,10 @@ impl Observer for Following<'_> {
             self.next = now + PAUSE;
         }
         let orders = self.link.orders();
-        let has_changed = self.ends_with_change && orders.revision != self.orders.revision;
+        let has_changed = self.is_of_image && orders.revision != self.orders.revision;
         match () {
             () if orders.ends || has_changed => Next::Drop,
-            () if !self.ends_with_change => Next::GoOn,
+            () if !self.is_of_image => Next::GoOn,
             () if orders.paused
                 || orders.pixel.is_some()
                 || orders.save.is_some()
@@ -477,7 +475,7 @@ impl Observer for Following<'_> {
             {
                 Next::Stop
             }
-            () if self.show.is_some() && now >= self.next => Next::Snapshot,
+            () if now >= self.next => Next::Snapshot,
             () => Next::GoOn,
         }
     }

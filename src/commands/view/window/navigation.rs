@@ -33,7 +33,7 @@ pub fn pan(camera: &mut Camera, right: f64, up: f64) {
 pub fn dolly(camera: &mut Camera, share: f64) {
     let way = (camera.look_from - camera.look_at) * share;
     let nearest = camera.look_at.abs().max_element() * 1e-9;
-    if way.length() <= nearest.max(1e-30) || !(way.length() < 1e30) {
+    if !(nearest.max(1e-30)..1e30).contains(&way.length()) {
         return;
     }
     camera.look_from = camera.look_at + way;
