@@ -111,13 +111,20 @@ impl Viewer {
         self.harness.step();
     }
 
-    /// Chooses a layer.
+    /// Chooses one of a list.
     #[track_caller]
-    fn choose(&mut self, name: &str) {
+    fn choose(&mut self, list: &str, name: &str) {
         self.harness.step();
-        self.harness.get_by_role_and_label(eframe::egui::Role::ComboBox, "Layer").click();
+        self.harness.get_by_role_and_label(eframe::egui::Role::ComboBox, list).click();
         self.harness.step();
         self.press(name);
+    }
+
+    /// Sets a number.
+    fn set(&mut self, name: &str, value: f64) {
+        self.harness.step();
+        self.harness.get_by_role_and_label(eframe::egui::Role::SpinButton, name).set_value_accesskit(value);
+        (0..2).for_each(|_| self.harness.step());
     }
 
     #[track_caller]
@@ -185,8 +192,10 @@ fn assert_same(a: &Path, b: &Path) {
 fn a_saved_image_is_that_of_render() {
     let mut viewer = Viewer::open("--exposure 1 --tonemap filmic --seed 7");
     viewer.until_samples(8);
-    viewer.choose("albedo");
+    viewer.choose("Layer", "albedo");
     viewer.until_samples(8);
+    viewer.set("Exposure, stops", 1.5);
+    viewer.choose("Curve", "neutral");
     viewer.press("Pause");
     viewer.press("Save EXR and PNG");
     let saved = viewer.until("saved", |findings| findings.message.starts_with("saved"));
@@ -194,7 +203,7 @@ fn a_saved_image_is_that_of_render() {
     let count = read_state(&viewer.path("a.exr")).unwrap().unwrap().samples.count();
     assert!(count >= 8, "{count}");
     let line = format!(
-        "render scene.ron -o b.exr --png b.png --spp {count} --exposure 1 --tonemap filmic --seed 7 --aov albedo --device {}",
+        "render scene.ron -o b.exr --png b.png --spp {count} --exposure 1.5 --tonemap neutral --seed 7 --aov albedo --device {}",
         index()
     );
     ran(&mut command(viewer.folder.path(), &words(&line))).exits(0);
@@ -276,6 +285,13 @@ fn keys_and_the_wheel_move_the_camera() {
     });
     (0..60).for_each(|_| viewer.harness.step());
     assert!(distance(&viewer) < 5.0, "{}", distance(&viewer));
+    viewer.set("Field of view, degrees", 30.0);
+    viewer.set("f-number", 4.0);
+    viewer.set("Focus distance", 2.5);
+    // A lens of 44.8 mm on 24 mm of film.
+    let lens = camera(&viewer);
+    assert!(lens.vertical_fov == Some(30.0) && (lens.aperture - 0.011_196_2).abs() < 1e-6, "{lens:?}");
+    assert_eq!(lens.focus_distance, Some(2.5));
     viewer.harness.key_press(Key::Num0);
     (0..3).for_each(|_| viewer.harness.step());
     assert_eq!(camera(&viewer), start);
@@ -318,7 +334,7 @@ fn layers_are_shown() {
     let view = gpu_rt::output::view_transform::ViewTransform::default();
     let mut seen = Vec::new();
     for name in ["error, 0.1 % to 100 %", "albedo", "normal", "depth", "object", "indirect"] {
-        viewer.choose(name);
+        viewer.choose("Layer", name);
         let layer = viewer.link.orders().layer;
         let found = viewer.until("the layer", |findings| {
             findings.shown.as_ref().is_some_and(|shown| shown.layer == layer && !shown.is_small && shown.samples >= 16)

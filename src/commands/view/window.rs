@@ -30,7 +30,7 @@ use crate::scene::Camera;
 use layers::{AOVS, Layer, Shown};
 use link::Surface;
 pub use link::{Findings, Link};
-use navigation::{dolly, f_number, field_of_view, focus_at, orbit, pan, set_f_number, set_field_of_view};
+use navigation::{dolly, f_number, field_of_view, focus_at, orbit, pan, set_f_number, set_field_of_view, turn_around};
 pub use rendering::Rendering;
 
 /// The angle for a drag over the height of the image, in radians, and for a key.
@@ -43,6 +43,7 @@ const KEY_SHARE: f64 = 0.9;
 const WHEEL: f64 = 0.005;
 /// The largest f-number: above it a lens is a pinhole.
 const PINHOLE: f64 = 1e4;
+const LENS: &str = "f-number";
 /// How long the thread that renders may take to end. A driver that compiles cannot be stopped.
 const PATIENCE: Duration = Duration::from_secs(2);
 /// The largest window at the start, and the width of the settings.
@@ -64,6 +65,8 @@ pub struct Window {
     /// Whether the next click makes what it meets sharp, and the pixel of that click.
     focuses: bool,
     focus: Option<(u32, u32)>,
+    /// The middle of the image, if what it shows becomes the target: other programs' files have none.
+    target: Option<(u32, u32)>,
     /// The pixel under the mouse.
     hovered: Option<(u32, u32)>,
     texture: Option<(TextureHandle, Source)>,
@@ -85,7 +88,11 @@ pub fn run(args: &WindowArgs) -> Result<()> {
     let mut window = Window::new(Arc::clone(&link), args.view.transform());
     window.signals = Some(signals.clone());
     let (width, height) = link.findings().size;
-    let size = vec2((width as f32 + SETTINGS).min(LARGEST.0), (height as f32 + 60.0).clamp(480.0, LARGEST.1));
+    if args.scene.path.extension().is_some_and(|ending| ending != "ron") {
+        window.target = Some((width / 2, height / 2));
+        link.order(|orders| orders.pixel = window.target);
+    }
+    let size = vec2((width as f32 + SETTINGS).clamp(640.0, LARGEST.0), (height as f32 + 60.0).clamp(480.0, LARGEST.1));
     let title = format!("{} - gpu-rt", name_of(&args.scene.path));
     let viewport = ViewportBuilder::default().with_title(title).with_app_id("gpu-rt").with_inner_size(size);
     let options = NativeOptions { viewport, ..NativeOptions::default() };
@@ -199,6 +206,7 @@ impl Window {
             is_paused: false,
             focuses: false,
             focus: None,
+            target: None,
             hovered: None,
             texture: None,
         }
@@ -233,6 +241,14 @@ impl Window {
             if !self.is_moved {
                 self.camera = self.scene.0.clone();
             }
+        }
+        if let (Some(pixel), Some(surface)) = (self.target, &findings.surface)
+            && surface.pixel == pixel
+        {
+            self.target = None;
+            let cameras = [&mut self.camera, &mut self.scene.0];
+            let is_usable = !self.is_moved && surface.names.is_some();
+            cameras.into_iter().filter(|_| is_usable).for_each(|camera| turn_around(camera, surface.depth));
         }
         if let (Some(pixel), Some(surface)) = (self.focus, &findings.surface)
             && surface.pixel == pixel
@@ -319,7 +335,12 @@ impl Window {
             ui.horizontal(|ui| {
                 let label = ui.label(name);
                 let speed = (value.abs() * 0.01).clamp(1e-9, 1e9);
-                ui.add(DragValue::new(value).range(range).speed(speed).max_decimals(6)).labelled_by(label.id).changed()
+                // What the scene has stays, even beyond the range.
+                let field = DragValue::new(value).range(range).clamp_existing_to_range(false).speed(speed);
+                let is_lens = name == LENS;
+                let words = move |n: f64| if is_lens && n >= PINHOLE { "pinhole".to_owned() } else { short(n) };
+                let field = field.custom_formatter(move |n, _| words(n));
+                ui.add(field).labelled_by(label.id).changed()
             })
             .inner
         };
@@ -330,7 +351,7 @@ impl Window {
                 has_changed = true;
             }
             let mut number = f_number(&camera).min(PINHOLE);
-            if row(ui, "f-number", &mut number, 1e-3..=PINHOLE) {
+            if row(ui, LENS, &mut number, 1e-3..=PINHOLE) {
                 set_f_number(&mut camera, if number < PINHOLE { number } else { f64::INFINITY });
                 has_changed = true;
             }
@@ -516,6 +537,13 @@ fn state(ui: &mut Ui, findings: &Findings) {
         ui.label(&findings.activity);
         ui.label(&findings.message);
     });
+}
+
+/// A number with six digits.
+fn short(number: f64) -> String {
+    let digits = (5.0 - number.abs().max(1e-300).log10().floor()).clamp(0.0, 12.0);
+    let text = format!("{number:.*}", digits as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 fn words_of_surface(surface: &Surface) -> String {

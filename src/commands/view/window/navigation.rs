@@ -1,5 +1,7 @@
 //! How the mouse moves a camera: around its target, across the view, towards the target.
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use glam::{DQuat, DVec3};
 
 use crate::flatten::axes_of;
@@ -7,17 +9,38 @@ use crate::scene::{Camera, Projection};
 
 /// The least angle between the view and the vertical, in radians.
 const LEAST_ANGLE: f64 = 0.01;
+/// An axis is level whose cosine to the right is less: files have coordinates in f32.
+const LEVEL: f64 = 1e-5;
 /// The height of the film by which a lens has an f-number, in scene units: 24 mm, as one of 35 mm film, where these are metres.
 const FILM_HEIGHT: f64 = 0.024;
 
 /// Turns the camera around its target, by angles in radians: to the right, and downwards.
 pub fn orbit(camera: &mut Camera, right: f64, down: f64) {
-    let vertical = camera.up.normalize_or(DVec3::Y);
     let axes = axes_of(camera);
+    let vertical = vertical(camera, axes.x_axis);
+    camera.up = vertical;
     let angle = axes.z_axis.angle_between(vertical);
     let within = (angle + down).clamp(LEAST_ANGLE, std::f64::consts::PI - LEAST_ANGLE) - angle;
     let turn = DQuat::from_axis_angle(vertical, right) * DQuat::from_axis_angle(axes.x_axis, within);
     camera.look_from = camera.look_at + turn * (camera.look_from - camera.look_at);
+}
+
+/// The vertical of the scene: the axis of the world that is level in the image, if there is one. Files of other programs have a camera's own direction
+/// upwards.
+fn vertical(camera: &Camera, right: DVec3) -> DVec3 {
+    let up = camera.up.normalize_or(DVec3::Y);
+    let is_level = |axis: &DVec3, least: f64| right.dot(*axis).abs() < LEVEL && up.dot(*axis) > least;
+    // Of y less is enough: it is up in scene files and in glTF, also where a camera looks down on them.
+    let y = Some(DVec3::Y).filter(|axis| is_level(axis, 0.3));
+    let others = [DVec3::Z, DVec3::NEG_Z, DVec3::X, DVec3::NEG_X, DVec3::NEG_Y];
+    y.or(others.into_iter().find(|axis| is_level(axis, FRAC_1_SQRT_2))).unwrap_or(up)
+}
+
+/// Has the camera turn around what is at this distance along its axis. The image stays as it is.
+pub fn turn_around(camera: &mut Camera, distance: f64) {
+    let axis = camera.look_at - camera.look_from;
+    camera.focus_distance = camera.focus_distance.or(Some(axis.length()));
+    camera.look_at = camera.look_from + axis.normalize_or(DVec3::NEG_Z) * distance;
 }
 
 /// Moves the camera and its target across the view, in heights of the view at the target.
@@ -118,6 +141,30 @@ mod tests {
         let mut moved = Camera::pinhole(DVec3::Z, DVec3::ZERO, DVec3::Y, 40.0);
         orbit(&mut moved, std::f64::consts::FRAC_PI_2, 0.0);
         assert!(near(moved.look_from, DVec3::X), "{moved:?}");
+    }
+
+    /// A camera that looks down with a direction upwards of its own turns around y; one of a scene whose z axis is up around that; a rolled one around
+    /// its own.
+    #[test]
+    fn an_orbit_turns_around_the_vertical_of_the_scene() {
+        let down = DVec3::new(0.0, 1.0, -1.0).normalize();
+        let mut moved = Camera::pinhole(DVec3::new(0.0, 5.0, 5.0), DVec3::ZERO, down, 40.0);
+        orbit(&mut moved, 1.0, 0.0);
+        assert!(moved.up == DVec3::Y && (moved.look_from.y - 5.0).abs() < 1e-12, "{moved:?}");
+        let mut moved = Camera::pinhole(DVec3::new(3.0, 3.0, 1.0), DVec3::ZERO, DVec3::Z, 40.0);
+        orbit(&mut moved, 1.0, 0.0);
+        assert!(moved.up == DVec3::Z && (moved.look_from.z - 1.0).abs() < 1e-12, "{moved:?}");
+        let rolled = DVec3::new(0.3, 1.0, 0.0).normalize();
+        let mut moved = Camera::pinhole(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, rolled, 40.0);
+        orbit(&mut moved, 1.0, 0.0);
+        assert!(near(moved.up, rolled), "{moved:?}");
+    }
+
+    #[test]
+    fn another_target_shows_the_same_image() {
+        let mut moved = Camera { focus_distance: None, ..camera() };
+        turn_around(&mut moved, 26.0);
+        assert!(near(moved.look_at, -camera().look_from) && moved.focus_distance == Some(13.0), "{moved:?}");
     }
 
     /// A shift by one height brings the upper edge of the view to the lower one.

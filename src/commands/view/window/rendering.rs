@@ -25,8 +25,9 @@ use crate::options::RenderOptions;
 use crate::render::{Next, Observer, Outcome, Snapshot, empty_film};
 use crate::scene::{Assets, Camera, Change, Scene, is_gltf};
 
-/// The share of the image's width and height that the picture has while the camera moves.
+/// The share of the image's width and height that the picture has while the camera moves, and its most pixels.
 const SMALL: f64 = 0.25;
+const SMALL_PIXELS: f64 = 262_144.0;
 /// The time that such a picture may take beyond its first sample.
 const SMALL_TIME: f64 = 0.06;
 /// The camera rests when it has not moved for this long.
@@ -173,7 +174,9 @@ impl Rendering {
     }
 
     fn small(&self) -> Frame {
-        Frame::full(Size::Share(SMALL).in_pixels(self.full()))
+        let (width, height) = self.full();
+        let share = (SMALL_PIXELS / (f64::from(width) * f64::from(height))).sqrt();
+        Frame::full(Size::Share(share.min(SMALL)).in_pixels((width, height)))
     }
 
     /// The samples of a pixel, at the end.
