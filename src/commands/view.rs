@@ -6,7 +6,7 @@ mod window;
 
 pub use args::WindowArgs;
 #[cfg(feature = "window")]
-pub use window::{Findings, Link, Rendering, Window};
+pub use window::{Link, Rendering, ViewState, Window};
 
 use crate::error::Result;
 

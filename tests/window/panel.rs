@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use clap::Parser;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use gpu_rt::commands::view::{Findings, Link, Rendering, Window, WindowArgs};
+use gpu_rt::commands::view::{Link, Rendering, ViewState, Window, WindowArgs};
 use gpu_rt::output::exr::{read_exr, read_state};
 use gpu_rt::scene::Scene;
 
@@ -74,31 +74,28 @@ impl Viewer {
 
     /// Draws the window until the thread has found something.
     #[track_caller]
-    fn until(&mut self, what: &str, is_so: impl Fn(&Findings) -> bool) -> Findings {
+    fn until(&mut self, what: &str, is_so: impl Fn(&ViewState) -> bool) -> ViewState {
         let begin = Instant::now();
         loop {
             self.harness.step();
-            let findings = self.link.findings();
-            if is_so(&findings) {
+            let state = self.link.state();
+            if is_so(&state) {
                 self.harness.step();
-                return findings;
+                return state;
             }
-            assert!(begin.elapsed() < LIMIT, "never: {what}: {findings:?}");
+            assert!(begin.elapsed() < LIMIT, "never: {what}: {state:?}");
             sleep(Duration::from_millis(5));
         }
     }
 
     /// Waits for the image from where the camera is now, with so many samples.
     #[track_caller]
-    fn until_samples(&mut self, samples: u64) -> Findings {
+    fn until_samples(&mut self, samples: u64) -> ViewState {
         self.harness.step();
         let revision = self.link.orders().revision;
-        self.until("the image", |findings| {
-            findings.shown.as_ref().is_some_and(|shown| {
-                !shown.is_small
-                    && shown.revision == revision
-                    && shown.samples >= samples
-                    && findings.activity.is_empty()
+        self.until("the image", |state| {
+            state.shown.as_ref().is_some_and(|shown| {
+                !shown.is_small && shown.revision == revision && shown.samples >= samples && !state.is_compiling
             })
         })
     }
@@ -151,7 +148,7 @@ impl Viewer {
     /// Clicks on a pixel of the image.
     fn click(&mut self, pixel: (u32, u32)) {
         let rect = self.harness.get_by_label("Image").rect();
-        let (width, height) = self.link.findings().size;
+        let (width, height) = self.link.state().size;
         let scale = (rect.width() / width as f32).min(rect.height() / height as f32);
         let offset = [pixel.0 as f32 + 0.5 - width as f32 / 2.0, pixel.1 as f32 + 0.5 - height as f32 / 2.0];
         let at = rect.center() + eframe::egui::vec2(offset[0], offset[1]) * scale;
@@ -198,7 +195,7 @@ fn a_saved_image_is_that_of_render() {
     viewer.choose("Curve", "neutral");
     viewer.press("Pause");
     viewer.press("Save EXR and PNG");
-    let saved = viewer.until("saved", |findings| findings.message.starts_with("saved"));
+    let saved = viewer.until("saved", |state| state.message.starts_with("saved"));
     assert!(saved.message.contains("a.exr") && saved.message.contains("a.png"), "{}", saved.message);
     let count = read_state(&viewer.path("a.exr")).unwrap().unwrap().samples.count();
     assert!(count >= 8, "{count}");
@@ -210,7 +207,7 @@ fn a_saved_image_is_that_of_render() {
     assert_same(&viewer.path("a.exr"), &viewer.path("b.exr"));
     // A second one takes no name that there is.
     viewer.press("Save EXR and PNG");
-    viewer.until("saved again", |findings| findings.message.contains("a.2.exr"));
+    viewer.until("saved again", |state| state.message.contains("a.2.exr"));
     assert!(viewer.path("a.2.png").exists());
 }
 
@@ -223,11 +220,8 @@ fn the_image_after_a_drag_is_that_of_the_copied_camera() {
     viewer.drag(60.0, 30.0);
     let revision = viewer.link.orders().revision;
     assert!(revision > 0);
-    viewer.until("a small picture", |findings| {
-        findings
-            .shown
-            .as_ref()
-            .is_some_and(|shown| shown.is_small && shown.revision == revision && shown.size == (24, 16))
+    viewer.until("a small picture", |state| {
+        state.shown.as_ref().is_some_and(|shown| shown.is_small && shown.revision == revision && shown.size == (24, 16))
     });
     viewer.until_samples(16);
     let after = viewer.harness.state().camera().clone();
@@ -247,7 +241,7 @@ fn the_image_after_a_drag_is_that_of_the_copied_camera() {
     fs::write(viewer.path("moved.ron"), &moved).unwrap();
     assert_eq!(Scene::parse(&moved, Path::new("moved.ron")).expect("it is valid").camera, after);
     viewer.press("Save EXR and PNG");
-    viewer.until("saved", |findings| findings.message.starts_with("saved"));
+    viewer.until("saved", |state| state.message.starts_with("saved"));
     let line = format!("render moved.ron -o b.exr --png b.png --spp 16 --device {}", index());
     ran(&mut command(viewer.folder.path(), &words(&line))).exits(0);
     assert_same(&viewer.path("a.exr"), &viewer.path("b.exr"));
@@ -304,22 +298,22 @@ fn a_click_finds_the_surface_and_focuses() {
     let mut viewer = Viewer::open("--spp 8");
     viewer.until_samples(8);
     viewer.click((48, 32));
-    let found = viewer.until("the surface", |findings| findings.surface.is_some()).surface.unwrap();
+    let found = viewer.until("the surface", |state| state.surface.is_some()).surface.unwrap();
     assert_eq!((found.pixel, found.names.clone()), ((48, 32), Some(("ball".to_owned(), "red".to_owned()))));
     // The front of the ball is 5 away. Within the pixel in the middle, 0.07 wide, it curves by 0.003.
     assert!((found.distance - 5.0).abs() < 0.01 && (found.depth - 5.0).abs() < 0.01, "{found:?}");
     assert!(viewer.has("material red") && viewer.has("variance"));
     viewer.click((2, 2));
-    viewer.until("the sky", |findings| {
-        findings.surface.as_ref().is_some_and(|found| found.pixel == (2, 2) && found.names.is_none())
+    viewer.until("the sky", |state| {
+        state.surface.as_ref().is_some_and(|found| found.pixel == (2, 2) && found.names.is_none())
     });
     assert!(viewer.has("no surface"));
     viewer.press("Focus by a click");
     viewer.click((48, 62));
-    viewer.until("the floor", |findings| findings.surface.as_ref().is_some_and(|found| found.pixel == (48, 62)));
+    viewer.until("the floor", |state| state.surface.as_ref().is_some_and(|found| found.pixel == (48, 62)));
     viewer.until_samples(8);
     let camera = viewer.harness.state().camera();
-    let floor = viewer.link.findings().surface.unwrap();
+    let floor = viewer.link.state().surface.unwrap();
     assert_eq!(camera.focus_distance, Some(floor.depth));
     // The ray falls by tan(20°) · 61/64 a unit of depth, and the floor is 1 below.
     let expected = 1.0 / (20f64.to_radians().tan() * 61.0 / 64.0);
@@ -336,8 +330,8 @@ fn layers_are_shown() {
     for name in ["error, 0.1 % to 100 %", "albedo", "normal", "depth", "object", "indirect"] {
         viewer.choose("Layer", name);
         let layer = viewer.link.orders().layer;
-        let found = viewer.until("the layer", |findings| {
-            findings.shown.as_ref().is_some_and(|shown| shown.layer == layer && !shown.is_small && shown.samples >= 16)
+        let found = viewer.until("the layer", |state| {
+            state.shown.as_ref().is_some_and(|shown| shown.layer == layer && !shown.is_small && shown.samples >= 16)
         });
         let colours = found.shown.unwrap().colours(&view);
         let first = colours[0];
@@ -353,7 +347,7 @@ fn a_pause_stops_the_samples() {
     viewer.until_samples(8);
     viewer.press("Pause");
     sleep(Duration::from_millis(300));
-    viewer.until("quiet", |findings| findings.activity.is_empty());
+    viewer.until("quiet", |state| !state.is_compiling);
     let paused = viewer.until_samples(8).shown.unwrap().samples;
     sleep(Duration::from_millis(500));
     assert_eq!(viewer.until_samples(8).shown.unwrap().samples, paused);
@@ -372,14 +366,14 @@ fn a_save_of_the_scene_keeps_the_camera() {
     let camera = viewer.harness.state().camera().clone();
     fs::write(viewer.path("scene.ron"), SCENE.replace("radius: 1, material: \"red\"", "radius: -1, material: \"red\""))
         .unwrap();
-    let found = viewer.until("the error", |findings| !findings.errors.is_empty());
+    let found = viewer.until("the error", |state| !state.errors.is_empty());
     assert!(found.errors[0].contains("scene.ron:11:") && found.errors[0].contains("radius"), "{:?}", found.errors);
     assert!(viewer.has("scene.ron:11:"));
     fs::write(viewer.path("scene.ron"), SCENE.replace("Rgb(0.8, 0.2, 0.1)", "Rgb(0.1, 0.2, 0.8)")).unwrap();
-    viewer.until("the mended scene", |findings| findings.camera.1 == 2);
+    viewer.until("the mended scene", |state| state.camera.1 == 2);
     viewer.until_samples(8);
     assert_eq!(*viewer.harness.state().camera(), camera);
-    let found = viewer.until("no error", |findings| findings.errors.is_empty());
+    let found = viewer.until("no error", |state| state.errors.is_empty());
     let blue = |rgb: &[[f32; 3]]| rgb[96 * 40 + 40][2] > rgb[96 * 40 + 40][0];
     assert!(blue(&found.shown.unwrap().picture.rgb) && !blue(&before));
 }

@@ -8,7 +8,7 @@ use crate::output::view_transform::ViewTransform;
 
 /// What is shown of a film.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Layer {
+pub enum PictureLayer {
     #[default]
     Radiance,
     /// The standard error of each pixel, relative to its radiance.
@@ -33,7 +33,7 @@ pub struct Shown {
     /// Radiance and its variance.
     pub picture: Picture,
     /// The layer that `values` is of. The picture has those of the radiance and its error.
-    pub layer: Layer,
+    pub layer: PictureLayer,
     pub values: Vec<Rgb<f32>>,
     /// The layers of groups of lights.
     pub lights: Vec<String>,
@@ -53,7 +53,7 @@ pub struct Shown {
 
 impl Shown {
     /// A layer of a film. Pixels without samples have those of the picture `before`.
-    pub fn new(film: &Film, layer: Layer, before: Option<&Shown>) -> Shown {
+    pub fn new(film: &Film, layer: PictureLayer, before: Option<&Shown>) -> Shown {
         let mut picture = film.develop();
         let size = (picture.width, picture.height);
         if let Some(before) = before {
@@ -67,7 +67,7 @@ impl Shown {
         let lights = film.aovs().channels().into_iter().filter(|channel| channel.aov == Aov::Lights);
         let lights = lights.step_by(3).map(|channel| channel.name.trim_end_matches(".R").to_owned()).collect();
         let values = match layer {
-            Layer::Of { aov, number } => values(film, aov, number),
+            PictureLayer::Of { aov, number } => values(film, aov, number),
             _ => Vec::new(),
         };
         let luminances = picture.rgb.iter().map(|rgb| luminance(rgb.map(f64::from)));
@@ -98,12 +98,12 @@ impl Shown {
             rgb.iter().enumerate().map(|(index, rgb)| view.bytes(*rgb, (index % width, index / width))).collect()
         };
         match self.layer {
-            Layer::Radiance => developed(&self.picture.rgb),
-            Layer::Error => (0..self.picture.rgb.len()).map(|index| of_error(self.error_at(index))).collect(),
+            PictureLayer::Radiance => developed(&self.picture.rgb),
+            PictureLayer::Error => (0..self.picture.rgb.len()).map(|index| of_error(self.error_at(index))).collect(),
             // They are not there before the film has the channel.
-            Layer::Of { .. } if self.values.is_empty() => developed(&self.picture.rgb),
-            Layer::Of { aov: Aov::Direct | Aov::Indirect | Aov::Lights, .. } => developed(&self.values),
-            Layer::Of { aov, .. } => colours_of(aov, &self.values),
+            PictureLayer::Of { .. } if self.values.is_empty() => developed(&self.picture.rgb),
+            PictureLayer::Of { aov: Aov::Direct | Aov::Indirect | Aov::Lights, .. } => developed(&self.values),
+            PictureLayer::Of { aov, .. } => colours_of(aov, &self.values),
         }
     }
 }

@@ -4,16 +4,16 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread::Thread;
 use std::time::Instant;
 
-use super::layers::{Layer, Shown};
+use super::layers::{PictureLayer, Shown};
 use crate::output::view_transform::ViewTransform;
 use crate::scene::Camera;
 
-/// What the window wants.
+/// Orders of the window.
 #[derive(Clone, Debug, Default)]
 pub struct Orders {
     /// The camera in the notation of scene files, if it has been moved.
     pub camera: Option<String>,
-    pub layer: Layer,
+    pub layer: PictureLayer,
     /// Counts the changes after which the image is another one.
     pub revision: u64,
     /// When the camera was moved last.
@@ -26,27 +26,26 @@ pub struct Orders {
     pub ends: bool,
 }
 
-/// What the thread has found.
+/// The state of the thread that renders, as the window shows it.
 #[derive(Clone, Debug, Default)]
-pub struct Findings {
+pub struct ViewState {
     pub shown: Option<Arc<Shown>>,
     /// The camera of the scene file, and how often that has been read.
     pub camera: (Camera, u64),
     /// The size of the image, and its last sample.
     pub size: (u32, u32),
     pub samples: u64,
-    /// What takes time just now; nothing while it renders.
-    pub activity: String,
+    pub is_compiling: bool,
     /// What has failed, until something succeeds.
     pub errors: Vec<String>,
     /// What was said last, such as the name of a saved file.
     pub message: String,
-    pub surface: Option<Surface>,
+    pub surface: Option<PixelSurface>,
 }
 
 /// What a pixel shows.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Surface {
+pub struct PixelSurface {
     pub pixel: (u32, u32),
     /// The names of the object and of its material. Without them the pixel shows no surface.
     pub names: Option<(String, String)>,
@@ -59,7 +58,7 @@ pub struct Surface {
 #[derive(Default)]
 pub struct Link {
     orders: Mutex<Orders>,
-    findings: Mutex<Findings>,
+    state: Mutex<ViewState>,
     /// The thread that renders.
     pub renderer: OnceLock<Thread>,
     /// Wakes the window.
@@ -83,13 +82,13 @@ impl Link {
         result
     }
 
-    pub fn findings(&self) -> Findings {
-        lock(&self.findings).clone()
+    pub fn state(&self) -> ViewState {
+        lock(&self.state).clone()
     }
 
     /// Changes what the thread has found, and wakes the window.
-    pub fn tell(&self, change: impl FnOnce(&mut Findings)) {
-        change(&mut lock(&self.findings));
+    pub fn tell(&self, change: impl FnOnce(&mut ViewState)) {
+        change(&mut lock(&self.state));
         self.repaint.get().inspect(|repaint| repaint());
     }
 }
