@@ -333,9 +333,9 @@ fn a_full_standard_output_is_an_error_of_every_command() {
     }
     // What was rendered is there all the same.
     assert_eq!(attribute(&sandbox.exr("r.exr"), "gpu-rt:complete"), "1");
-    // `page` and `convert` print nothing. A measurement takes long, unless it is interrupted.
+    // `view`, `page` and `convert` print nothing. A measurement takes long, unless it is interrupted.
     let missing = names.iter().filter(|name| !reports.iter().any(|line| line.split_whitespace().next() == Some(name)));
-    assert_eq!(missing.collect::<Vec<_>>(), [&"tradeoff", &"page", &"convert"]);
+    assert_eq!(missing.collect::<Vec<_>>(), [&"tradeoff", &"view", &"page", &"convert"]);
     let arguments = ["tradeoff", "../scenes/sphere.ron", "--budget", "1h", "--device", software(), "-o", "report"];
     let mut child = sandbox.command(&arguments).stdout(full()).spawn().expect("the program starts");
     meanwhile(&mut child, || sandbox.at("report").exists());

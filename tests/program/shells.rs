@@ -17,7 +17,7 @@ fn shells_complete_commands_and_options() {
         }
     }
     let script = sandbox.at("gpu-rt.bash");
-    fs::write(&script, sandbox.run(&["completions", "bash"]).exits(0).stdout).expect("it is written");
+    fs::write(&script, run(&sandbox.work(), &["completions", "bash"]).exits(0).stdout).expect("it is written");
     // What the shell does at a tab: it calls the function that is registered for the program.
     let complete = "set -- $(complete -p gpu-rt); while [ \"$1\" != -F ]; do shift; done; \
         COMP_WORDS=(gpu-rt tra); COMP_CWORD=1; $2 gpu-rt tra gpu-rt; echo \"${COMPREPLY[@]}\"";

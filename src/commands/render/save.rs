@@ -14,7 +14,7 @@ use crate::session::Session;
 /// Writes the film of the session's view as `render` with these arguments writes it.
 ///
 /// # Errors
-/// Those of `render`, where a file cannot be written.
+/// As of `render`, where a file cannot be written.
 pub fn save(args: &RenderArgs, scene: &Scene, session: &Session, film: &Accumulation, seconds: &Seconds) -> Result<()> {
     let mut request = Request::new(args, scene, Instant::now())?;
     request.take(&session.scene)?;

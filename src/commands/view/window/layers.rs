@@ -6,7 +6,7 @@ use crate::film::{Film, Picture, UNKNOWN_VARIANCE};
 use crate::output::magma::magma;
 use crate::output::view_transform::ViewTransform;
 
-/// What is shown of a film.
+/// A layer of the film, to be shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PictureLayer {
     #[default]
@@ -23,7 +23,7 @@ pub const AOVS: [Aov; 8] =
 
 /// The relative error that the map shows as white.
 const WHITE_ERROR: f64 = 1.0;
-/// That which it shows as black.
+/// The error that it shows as black.
 const BLACK_ERROR: f64 = 1e-3;
 
 /// A film as the window shows it.
@@ -41,7 +41,7 @@ pub struct Shown {
     pub revision: u64,
     /// Whether it is a small one, for the time until the next.
     pub is_small: bool,
-    /// What is added to the squared radiance that an error is relative to: as in [`Film::relative_error`].
+    /// The least squared radiance that an error is relative to, as in [`Film::relative_error`].
     floor: f64,
     pub samples: u64,
     /// Samples of all pixels per second.

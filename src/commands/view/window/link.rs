@@ -1,4 +1,4 @@
-//! What the window and the thread that renders tell each other.
+//! The orders of the window to the thread that renders, and the state of that.
 
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread::Thread;
@@ -36,14 +36,14 @@ pub struct ViewState {
     pub size: (u32, u32),
     pub samples: u64,
     pub is_compiling: bool,
-    /// What has failed, until something succeeds.
+    /// The last errors, until something succeeds.
     pub errors: Vec<String>,
-    /// What was said last, such as the name of a saved file.
+    /// The last message, such as the name of a saved file.
     pub message: String,
     pub surface: Option<PixelSurface>,
 }
 
-/// What a pixel shows.
+/// The surface that a pixel shows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PixelSurface {
     pub pixel: (u32, u32),

@@ -30,7 +30,7 @@ pub fn orbit(camera: &mut Camera, right: f64, down: f64) {
 fn vertical(camera: &Camera, right: DVec3) -> DVec3 {
     let up = camera.up.normalize_or(DVec3::Y);
     let is_level = |axis: &DVec3, least: f64| right.dot(*axis).abs() < LEVEL && up.dot(*axis) > least;
-    // Of y less is enough: it is up in scene files and in glTF, also where a camera looks down on them.
+    // For y less is enough: it is up in scene files and in glTF, also where a camera looks down on them.
     let y = Some(DVec3::Y).filter(|axis| is_level(axis, 0.3));
     let others = [DVec3::Z, DVec3::NEG_Z, DVec3::X, DVec3::NEG_X, DVec3::NEG_Y];
     y.or(others.into_iter().find(|axis| is_level(axis, FRAC_1_SQRT_2))).unwrap_or(up)

@@ -395,7 +395,7 @@ impl Observer for Following<'_> {
         if let Some(snapshot) = snapshot {
             let mut shown = Shown::new(&snapshot.film.film, self.orders.layer, self.before.as_deref());
             shown.revision = self.orders.revision;
-            // Its error is that of the last complete runs.
+            // The error is that of the last complete runs.
             if let Some(before) = self.before.as_ref().filter(|before| before.revision == shown.revision) {
                 (shown.error, shown.reasons) = (before.error.clone(), before.reasons.clone());
                 (shown.pace, shown.samples) = (before.pace, before.samples);
