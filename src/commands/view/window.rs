@@ -13,8 +13,8 @@ use std::time::{Duration, Instant};
 
 use clap::ValueEnum;
 use eframe::egui::{
-    Button, CentralPanel, Color32, ColorImage, ComboBox, DragValue, Image, Key, Panel, PointerButton, Pos2, Rect,
-    Response, RichText, Role, ScrollArea, Sense, TextureFilter, TextureHandle, TextureOptions, Ui, Vec2,
+    Button, CentralPanel, Color32, ColorImage, ComboBox, Context, DragValue, Image, Key, Panel, PointerButton, Pos2,
+    Rect, Response, RichText, Role, ScrollArea, Sense, TextureFilter, TextureHandle, TextureOptions, Ui, Vec2,
     ViewportBuilder, ViewportCommand, WidgetInfo, vec2,
 };
 use eframe::{App, AppCreator, Error as WindowError, Frame, NativeOptions};
@@ -25,6 +25,7 @@ use crate::commands::console::tell;
 use crate::commands::scene::name_of;
 use crate::commands::signals::{Signals, WAIT};
 use crate::error::{Error, Result};
+use crate::output::destination::is_standard;
 use crate::output::view_transform::{Tonemap, ViewTransform};
 use crate::printable::percent;
 use crate::scene::Camera;
@@ -80,6 +81,9 @@ pub struct Window {
 /// `render`.
 pub fn run(args: &WindowArgs) -> Result<()> {
     let (signals, link) = (Signals::listen("nothing has been written"), Arc::<Link>::default());
+    if args.watch && is_standard(&args.scene.path) {
+        return Err(Error::Usage("--watch: standard input does not change: give the name of a scene file".to_owned()));
+    }
     let rendering = Rendering::open(args, Arc::clone(&link))?;
     let mut window = Window::new(Arc::clone(&link), args.view.transform());
     window.signals = signals.clone();
@@ -164,6 +168,13 @@ fn explained(error: &WindowError) -> Error {
 }
 
 impl App for Window {
+    /// Also called while the window is hidden.
+    fn logic(&mut self, context: &Context, _: &mut Frame) {
+        if self.signals.have_come() {
+            context.send_viewport_cmd(ViewportCommand::Close);
+        }
+    }
+
     fn ui(&mut self, ui: &mut Ui, _: &mut Frame) {
         self.draw(ui);
     }
@@ -183,9 +194,6 @@ impl Window {
 
     /// Draws the window, and takes what the user does.
     pub fn draw(&mut self, ui: &mut Ui) {
-        if self.signals.have_come() {
-            ui.ctx().send_viewport_cmd(ViewportCommand::Close);
-        }
         let state = self.link.state();
         self.take(&state);
         if !ui.ctx().egui_wants_keyboard_input() {
