@@ -24,5 +24,5 @@ exec unshare --mount --propagation private bash -euo pipefail -c '
     done
     exec chroot "$tree" env -i PATH="$(dirname "$gpu_rt"):/usr/bin:/bin" HOME=/root NODEVICE_SELECT=1 LIBGL_ALWAYS_SOFTWARE=1 \
         xvfb-run --auto-servernum --server-args="-screen 0 1280x800x24" \
-        blender --factory-startup --window-geometry 0 0 1280 800 --python-exit-code 1 --python "$root/tests/blender/window.py" -- "$@"
+        blender --factory-startup --window-geometry 0 0 800 520 --python-exit-code 1 --python "$root/tests/blender/window.py" -- "$@"
 ' bash "$@"
