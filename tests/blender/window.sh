@@ -23,6 +23,6 @@ exec unshare --mount --propagation private bash -euo pipefail -c '
         mount --rbind "$folder" "$tree$folder"
     done
     exec chroot "$tree" env -i PATH="$(dirname "$gpu_rt"):/usr/bin:/bin" HOME=/root NODEVICE_SELECT=1 LIBGL_ALWAYS_SOFTWARE=1 \
-        xvfb-run --auto-servernum --server-args="-screen 0 1280x800x24" \
-        blender --factory-startup --window-geometry 0 0 800 520 --python-exit-code 1 --python "$root/tests/blender/window.py" -- "$@"
+        xvfb-run --auto-servernum --server-args="-screen 0 640x420x24" \
+        blender --factory-startup --window-geometry 0 0 640 420 --python-exit-code 1 --python "$root/tests/blender/window.py" -- "$@"
 ' bash "$@"
