@@ -47,7 +47,7 @@ def export(job, folder):
         fields, begin = camera.fields(scene, depsgraph, job["size"], moves)
     lights = lamps.Lamps(depsgraph, folder)
     background = world.background(scene, folder)
-    state = live.state(depsgraph, lights) if of_view else {}
+    state = live.state(depsgraph, lights, bpy.data.materials) if of_view else {}
     # Last: it changes the scene of the window, and with it what Blender has evaluated.
     files, notes, names = geometry.write_glbs(depsgraph, folder, moves)
     # Blender's exporter has Blender's +x along +x, and the image of the world has it along -z (axes.placed).

@@ -49,9 +49,9 @@ def camera(view, window, lens):
     return {"look_from": placed(at), "look_at": placed(towards), "up": placed(up)} | form | lens
 
 
-def state(depsgraph, lights):
+def state(depsgraph, lights, materials):
     """What requests can change, as JSON has it: the places of instances and of lamps behind what they are, fields of lamps, and numbers of
-    materials."""
+    these materials."""
     objects = {
         json.dumps(blur.key(instance)): ([material and material.name for material in geometry.slots_of(instance.object)], rows(instance.matrix_world))
         for instance in depsgraph.object_instances if geometry.is_mesh(instance)
@@ -59,7 +59,7 @@ def state(depsgraph, lights):
     made = {
         "objects": objects, "lamps": {key: (shape, rows(matrix)) for key, (shape, matrix) in lights.places.items()},
         "values": {name: ron._text(fields) for name, fields in lights.values.items()},
-        "materials": {f"scene.glb#{material.name}": numbers(material) for material in bpy.data.materials if material.users},
+        "materials": {f"scene.glb#{material.name}": numbers(material) for material in materials},
         "ball": (tuple(lights.ball[0]), lights.ball[1]),
     }
     return json.loads(json.dumps(made))

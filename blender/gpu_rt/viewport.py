@@ -88,11 +88,6 @@ class Session(threading.Thread):
         except (OSError, ValueError):
             pass  # it has ended, which an event says
 
-    def interrupt(self):
-        if not self.interrupted:
-            self.interrupted = True
-            self.send({"interrupt": True})
-
     def close(self):
         """Ends the export or the program, without waiting for it."""
         with self._lock:
@@ -114,14 +109,11 @@ class Viewport:
         # The session that renders, and the next one, which exports. `_stale` says that there has to be another one after that.
         self._session = self._next = None
         self._stale, self._failure, self._said, self._shown = True, "", "", None
-        # What was exported, whether the scene has changed since, and how requests say that.
-        self._exported, self._changed, self._changes = None, False, ({}, {})
+        # What was exported, whether the scene has changed since, which materials ever have, and how requests say that.
+        self._exported, self._changed, self._touched, self._changes = None, False, set(), ({}, {})
         # What the view shows, since when; and what has been rendered of it, in part and all.
         self._key, self._since, self._moving, self._whole = None, 0.0, None, None
-        self._number = 0
-        self.image, self._texture, self._exposure = None, None, 1.0
-        # Requests by their kind, for tests: exports, and the last request.
-        self.exports, self.request = 0, None
+        self._number, self.image, self._texture, self._exposure = 0, None, None, 1.0
         bpy.app.timers.register(lambda view=weakref.ref(self): view().look() if view() else None, first_interval=LOOK)
 
     def __del__(self):
@@ -136,6 +128,7 @@ class Viewport:
         settings = (scene.gpu_rt.device, scene.gpu_rt.light_paths, scene.cycles.max_bounces, scene.cycles.film_exposure, pixel_filter(scene.cycles)[0])
         self._stale = self._stale or bool(self._failure) or settings != self._settings or live.needs_export(depsgraph.updates)
         self._settings = settings
+        self._touched |= {update.id.name for update in depsgraph.updates if isinstance(update.id, bpy.types.Material)}
         self._scene = {
             "scene": scene.name, "layer": depsgraph.view_layer.name, "frame": scene.frame_current, "subframe": scene.frame_subframe, "view": True,
         }
@@ -162,7 +155,8 @@ class Viewport:
     def _follow(self, depsgraph):
         """Finds how requests say what has changed since the export."""
         then = self._exported["state"]
-        now = live.state(depsgraph, lamps.Lamps(depsgraph, ball=(Vector(then["ball"][0]), then["ball"][1])))
+        materials = filter(None, map(bpy.data.materials.get, self._touched))
+        now = live.state(depsgraph, lamps.Lamps(depsgraph, ball=(Vector(then["ball"][0]), then["ball"][1])), materials)
         changes = live.difference(then, now, self._exported["names"])
         self._changed, self._stale = False, self._stale or changes is None
         self._changes = changes or self._changes
@@ -191,12 +185,11 @@ class Viewport:
                     self._take(session, *session.events.get())
             if self._stale and not self._next and self._scene:
                 self._export()
-            if self._session:
-                image = self._session.viewer.take()
-                if image is not None:
-                    self.image, self._texture = image, None
-                    self._redraw()
-                self._ask()
+            image = self._session.viewer.take() if self._session else None
+            if image is not None:
+                self.image, self._texture, self._said = image, None, ""
+                self._redraw()
+            self._ask()
         except (Failure, OSError) as failure:
             self._failure, self._stale = str(failure), False
         self._tell()
@@ -205,7 +198,9 @@ class Viewport:
     def _export(self):
         """Begins another session."""
         self._stale, self._failure = False, ""
-        scene = bpy.data.scenes[self._scene["scene"]]
+        scene = bpy.data.scenes.get(self._scene["scene"])
+        if not scene:
+            raise Failure("The scene has another name now: leave the mode, and choose it again")
         command = [program(), "serve", SCENE, "--no-state", f"--light-paths={scene.gpu_rt.light_paths}"]
         if scene.gpu_rt.device:
             command.append(f"--device={scene.gpu_rt.device}")
@@ -215,7 +210,6 @@ class Viewport:
         folder = pathlib.Path(tempfile.mkdtemp(prefix="gpu-rt-view-", dir=bpy.app.tempdir))
         self._next = Session(job_of(scene, folder, self._scene), command, folder)
         self._next.start()
-        self.exports += 1
 
     def _take(self, session, word, value):
         if word == "opened":
@@ -229,7 +223,7 @@ class Viewport:
             self._said = value if value.startswith("compiling ") else ""
         elif word == "answered":
             (key, share), error = session.asked, value["error"]
-            session.asked, session.interrupted, self._said = None, False, ""
+            session.asked, self._said = None, ""
             if error and error["faults"] and (key["objects"] or key["materials"]):
                 # Such as a number out of the program's range, or a material that it reads as another one.
                 self._stale, self._moving, share = True, key, 1
@@ -249,20 +243,20 @@ class Viewport:
         if not session or not key or self._changed:
             return
         if session.asked:
-            if session.asked[0] != key and session.asked[1] == 1:
-                session.interrupt()
+            if session.asked[0] != key and session.asked[1] == 1 and not session.interrupted:
+                session.interrupted = True
+                session.send({"interrupt": True})
             return
         share = 1 if self._moving == key else SHARE
         if self._whole == key or (share == 1 and time.monotonic() - self._since < REST):
             return
         self._number += 1
         size = [max(side // share, 1) for side in key["size"]]
-        self.request = {
+        session.asked, session.interrupted = (key, share), False
+        session.send({
             **key, "output": f"{self._number}.exr", "size": "%dx%d" % tuple(size), "spp": key["spp"] if share == 1 else min(SAMPLES, key["spp"]),
             "display": session.viewer.address,
-        }
-        session.asked = key, share
-        session.send(self.request)
+        })
 
     def _redraw(self):
         engine = self._engine and self._engine()
@@ -274,7 +268,7 @@ class Viewport:
         session, engine = self._session, self._engine and self._engine()
         words = self._failure or self._said or ("exporting the scene" if self._next else "")
         if not words and session and self._key:
-            words = f"{self._key['spp']} samples" if self._whole == self._key else "rendering"
+            words = "rendering" if self._whole != self._key else f"{self._key['spp']} samples"
         if engine and words != self._shown:
             self._shown = words
             engine.update_stats("", f"gpu-rt: {words}")

@@ -29,18 +29,29 @@ views, programs = [], []
 
 
 def watch():
-    """Notes the views, and the processes that are started."""
-    begin, start = viewport.Viewport.__init__, process.start
+    """Notes the views with their exports and their last request, and the processes that are started."""
+    begin, start, export, send = viewport.Viewport.__init__, process.start, viewport.Viewport._export, viewport.Session.send
 
     def begun(view):
         begin(view)
+        view.exports, view.request = 0, None
         views.append(view)
+
+    def exported(view):
+        view.exports += 1
+        export(view)
+
+    def sent(session, request):
+        for view in views:
+            if session is view._session and "interrupt" not in request:
+                view.request = request
+        send(session, request)
 
     def started(*arguments):
         programs.append(start(*arguments))
         return programs[-1]
 
-    viewport.Viewport.__init__, process.start = begun, started
+    viewport.Viewport.__init__, process.start, viewport.Viewport._export, viewport.Session.send = begun, started, exported, sent
 
 
 def area():
