@@ -53,20 +53,16 @@ def state(depsgraph, lights, materials):
     """What requests can change, as JSON has it: the places of instances and of lamps behind what they are, fields of lamps, and numbers of
     these materials."""
     objects = {
-        json.dumps(blur.key(instance)): ([material and material.name for material in geometry.slots_of(instance.object)], rows(instance.matrix_world))
+        json.dumps(blur.key(instance)): ([material and material.name for material in geometry.slots_of(instance.object)], list(map(tuple, instance.matrix_world)))
         for instance in depsgraph.object_instances if geometry.is_mesh(instance)
     }
     made = {
-        "objects": objects, "lamps": {key: (shape, rows(matrix)) for key, (shape, matrix) in lights.places.items()},
+        "objects": objects, "lamps": {key: (shape, list(map(tuple, matrix))) for key, (shape, matrix) in lights.places.items()},
         "values": {name: ron._text(fields) for name, fields in lights.values.items()},
         "materials": {f"scene.glb#{material.name}": numbers(material) for material in materials},
         "ball": (tuple(lights.ball[0]), lights.ball[1]),
     }
     return json.loads(json.dumps(made))
-
-
-def rows(matrix):
-    return [tuple(row) for row in matrix]
 
 
 def numbers(material):
@@ -79,9 +75,8 @@ def numbers(material):
 def difference(then, now, names):
     """The `objects` and the `materials` of a request that make a scene as it is now of the one that was exported then. None if another
     export has to. `names` has those of objects in the scene file."""
-    if any({key: value[0] for key, value in then[kind].items()} != {key: value[0] for key, value in now[kind].items()} for kind in ("objects", "lamps")):
-        return None
-    if then["values"].keys() != now["values"].keys():
+    kinds = lambda state: [{key: kind for key, (kind, _) in state[name].items()} for name in ("objects", "lamps")] + [state["values"].keys()]
+    if kinds(then) != kinds(now):
         return None
     # The meshes are the first object of the scene file, and lamps follow.
     of_lamps = {key: f"objects[{1 + index}]" for index, key in enumerate(then["lamps"])}

@@ -4,6 +4,7 @@ Blender calls `update` and `draw`. A timer takes what the program says, as nothi
 """
 
 import json
+import os
 import pathlib
 import queue
 import shutil
@@ -29,8 +30,6 @@ from .viewer import Viewer
 SHARE, SAMPLES = 4, 8
 # Seconds without a change before the whole image begins, and between two looks at what the program says.
 REST, LOOK = 0.2, 0.02
-# Seconds that a program has to end.
-PATIENCE = 5
 
 
 class Session(threading.Thread):
@@ -53,6 +52,7 @@ class Session(threading.Thread):
         except (Failure, OSError, ValueError) as failure:
             self.events.put(("failed", str(failure)))
         finally:
+            self.close()
             self.viewer.__exit__()
             shutil.rmtree(self._folder, ignore_errors=True)
 
@@ -83,8 +83,7 @@ class Session(threading.Thread):
 
     def send(self, request):
         try:
-            self._program.stdin.write(json.dumps(request).encode() + b"\n")
-            self._program.stdin.flush()
+            os.write(self._program.stdin.fileno(), json.dumps(request).encode() + b"\n")
         except (OSError, ValueError):
             pass  # it has ended, which an event says
 
@@ -93,33 +92,26 @@ class Session(threading.Thread):
         with self._lock:
             self._closed.set()
             if self._program:
-                # Without --temporary it would go on with what it renders.
-                try:
-                    self._program.stdin.close()
-                except OSError:
-                    pass  # it has ended
-                late = threading.Timer(PATIENCE, self._program.kill)
-                late.daemon = True
-                late.start()
+                self._program.kill()
 
 
 class Viewport:
     def __init__(self):
         self._engine = self._scene = self._settings = None
         # The session that renders, and the next one, which exports. `_stale` says that there has to be another one after that.
-        self._session = self._next = None
-        self._stale, self._failure, self._said, self._shown = True, "", "", None
+        self._session, self._next, self._stale = None, None, True
+        # What the program has failed at, what it says, and the words in the view: None has it drawn anew.
+        self._failure, self._said, self._shown = "", "", None
         # What was exported, whether the scene has changed since, which materials ever have, and how requests say that.
         self._exported, self._changed, self._touched, self._changes = None, False, set(), ({}, {})
         # What the view shows, since when; and what has been rendered of it, in part and all.
         self._key, self._since, self._moving, self._whole = None, 0.0, None, None
-        self._number, self.image, self._texture, self._exposure = 0, None, None, 1.0
+        self.image, self._texture, self._exposure = None, None, 1.0
         bpy.app.timers.register(lambda view=weakref.ref(self): view().look() if view() else None, first_interval=LOOK)
 
     def __del__(self):
-        for session in (self._session, self._next):
-            if session:
-                session.close()
+        for session in filter(None, (self._session, self._next)):
+            session.close()
 
     def update(self, engine, depsgraph):
         """Takes a change of the scene."""
@@ -171,11 +163,9 @@ class Viewport:
             pixels = np.ones((height, width, 4), np.float32)
             pixels[..., :3] = self._exposure * self.image[::-1]
             self._texture = gpu.types.GPUTexture((width, height), format="RGBA32F", data=gpu.types.Buffer("FLOAT", pixels.size, pixels.ravel()))
-        gpu.state.blend_set("ALPHA_PREMULT")
         engine.bind_display_space_shader(scene)
         draw_texture_2d(self._texture, (0, 0), region.width, region.height)
         engine.unbind_display_space_shader()
-        gpu.state.blend_set("NONE")
 
     def look(self):
         """Takes what has happened. Returns the seconds until the next look."""
@@ -187,8 +177,7 @@ class Viewport:
                 self._export()
             image = self._session.viewer.take() if self._session else None
             if image is not None:
-                self.image, self._texture, self._said = image, None, ""
-                self._redraw()
+                self.image, self._texture, self._said, self._shown = image, None, "", None
             self._ask()
         except (Failure, OSError) as failure:
             self._failure, self._stale = str(failure), False
@@ -201,12 +190,10 @@ class Viewport:
         scene = bpy.data.scenes.get(self._scene["scene"])
         if not scene:
             raise Failure("The scene has another name now: leave the mode, and choose it again")
-        command = [program(), "serve", SCENE, "--no-state", f"--light-paths={scene.gpu_rt.light_paths}"]
-        if scene.gpu_rt.device:
-            command.append(f"--device={scene.gpu_rt.device}")
-        for edited in scene.objects:
-            if edited.mode == "EDIT":
-                edited.update_from_editmode()
+        device = [f"--device={scene.gpu_rt.device}"] if scene.gpu_rt.device else []
+        command = [program(), "serve", SCENE, "--no-state", f"--light-paths={scene.gpu_rt.light_paths}", *device]
+        for edited in (each for each in scene.objects if each.mode == "EDIT"):
+            edited.update_from_editmode()
         folder = pathlib.Path(tempfile.mkdtemp(prefix="gpu-rt-view-", dir=bpy.app.tempdir))
         self._next = Session(job_of(scene, folder, self._scene), command, folder)
         self._next.start()
@@ -217,8 +204,7 @@ class Viewport:
                 self._session.close()
             self._session, self._next = session, None
             self._exported, self._exposure, self._changes, self._changed = value, value["exposure"], ({}, {}), True
-            self._moving = self._whole = self._key = None
-            self._redraw()
+            self._moving = self._whole = self._key = self._shown = None
         elif word == "said":
             self._said = value if value.startswith("compiling ") else ""
         elif word == "answered":
@@ -250,21 +236,14 @@ class Viewport:
         share = 1 if self._moving == key else SHARE
         if self._whole == key or (share == 1 and time.monotonic() - self._since < REST):
             return
-        self._number += 1
-        size = [max(side // share, 1) for side in key["size"]]
         session.asked, session.interrupted = (key, share), False
         session.send({
-            **key, "output": f"{self._number}.exr", "size": "%dx%d" % tuple(size), "spp": key["spp"] if share == 1 else min(SAMPLES, key["spp"]),
-            "display": session.viewer.address,
+            **key, "output": "view.exr", "size": "x".join(str(max(side // share, 1)) for side in key["size"]),
+            "spp": key["spp"] if share == 1 else min(SAMPLES, key["spp"]), "display": session.viewer.address,
         })
 
-    def _redraw(self):
-        engine = self._engine and self._engine()
-        if engine:
-            engine.tag_redraw()
-
     def _tell(self):
-        """Says in the view what is under way."""
+        """Says in the view what is under way, and has it drawn anew if it has changed."""
         session, engine = self._session, self._engine and self._engine()
         words = self._failure or self._said or ("exporting the scene" if self._next else "")
         if not words and session and self._key:

@@ -1010,7 +1010,7 @@ class Errors(InBlender):
         self.fails("no camera")
 
     def test_second_blender(self):
-        with mock.patch.object(engine.sys, "executable", "/bin/false"):
+        with mock.patch.object(sys, "executable", "/bin/false"):
             self.fails("The second Blender that exports the scene ended with status 1")
 
     def test_disk_that_is_full(self):

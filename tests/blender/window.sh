@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The 3D view in a window of Blender: `make test-blender-window`. Debian 12 and Ubuntu have no Blender that is new enough, and Blender's Python
+# The 3D view in a window of Blender: `make test-blender-window`. Debian 12 and Ubuntu 24.04 have older ones than 4.2, and Blender's Python
 # module has no window: so Debian 13 with its Blender and Xvfb goes into target/blender-window. Needs root, debootstrap, and the program.
 #
 # GPU_RT_BIN names the program, and further arguments are those of window.py.
