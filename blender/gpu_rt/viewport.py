@@ -99,7 +99,7 @@ class Viewport:
     def __init__(self):
         self._engine = self._scene = self._settings = None
         # The session that renders, and the next one, which exports. `_stale` says that there has to be another one after that.
-        self._session, self._next, self._stale = None, None, True
+        self._session, self._next, self._stale, self._flushes = None, None, True, False
         # What the program has failed at, what it says, and the words in the view: None has it drawn anew.
         self._failure, self._said, self._shown = "", "", None
         # What was exported, whether the scene has changed since, which materials ever have, and how requests say that.
@@ -115,6 +115,8 @@ class Viewport:
 
     def update(self, engine, depsgraph):
         """Takes a change of the scene."""
+        if self._flushes:
+            return
         scene = depsgraph.scene
         self._engine, self._changed = weakref.ref(engine), True
         settings = (scene.gpu_rt.device, scene.gpu_rt.light_paths, scene.cycles.max_bounces, scene.cycles.film_exposure, pixel_filter(scene.cycles)[0])
@@ -192,8 +194,12 @@ class Viewport:
             raise Failure("The scene has another name now: leave the mode, and choose it again")
         device = [f"--device={scene.gpu_rt.device}"] if scene.gpu_rt.device else []
         command = [program(), "serve", SCENE, "--no-state", f"--light-paths={scene.gpu_rt.light_paths}", *device]
+        # What is edited becomes part of the file; the update that comes of it, right here, is no change.
+        self._flushes = True
         for edited in (each for each in scene.objects if each.mode == "EDIT"):
             edited.update_from_editmode()
+        bpy.context.view_layer.update()
+        self._flushes = False
         folder = pathlib.Path(tempfile.mkdtemp(prefix="gpu-rt-view-", dir=bpy.app.tempdir))
         self._next = Session(job_of(scene, folder, self._scene), command, folder)
         self._next.start()
