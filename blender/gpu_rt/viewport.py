@@ -132,10 +132,8 @@ class Viewport:
         region, view = context.region, context.region_data
         if self._changed and self._session:
             self._follow(depsgraph)
-        lens = {}
-        if view.view_perspective == "CAMERA":
-            own = context.space_data.camera or depsgraph.scene.camera
-            lens = aperture_of(own.evaluated_get(depsgraph), depsgraph) if own and own.type == "CAMERA" else {}
+        own = view.view_perspective == "CAMERA" and (context.space_data.camera or depsgraph.scene.camera)
+        lens = aperture_of(own.evaluated_get(depsgraph), depsgraph) if own and own.type == "CAMERA" else {}
         key = {
             "camera": ron._text(live.camera(view.view_matrix, view.window_matrix, lens)), "size": (max(region.width, 1), max(region.height, 1)),
             "spp": depsgraph.scene.gpu_rt.samples, "objects": self._changes[0], "materials": self._changes[1],
@@ -181,17 +179,16 @@ class Viewport:
             if image is not None:
                 self.image, self._texture, self._said, self._shown = image, None, "", None
             self._ask()
-        except (Failure, OSError) as failure:
-            self._failure, self._stale = str(failure), False
+        except (Failure, OSError, KeyError) as failure:
+            # A scene that has another name now is a KeyError.
+            self._failure, self._stale = f"{failure}: leave the mode, and choose it again", False
         self._tell()
         return LOOK
 
     def _export(self):
         """Begins another session."""
         self._stale, self._failure = False, ""
-        scene = bpy.data.scenes.get(self._scene["scene"])
-        if not scene:
-            raise Failure("The scene has another name now: leave the mode, and choose it again")
+        scene = bpy.data.scenes[self._scene["scene"]]
         device = [f"--device={scene.gpu_rt.device}"] if scene.gpu_rt.device else []
         command = [program(), "serve", SCENE, "--no-state", f"--light-paths={scene.gpu_rt.light_paths}", *device]
         # What is edited becomes part of the file; the update that comes of it, right here, is no change.
@@ -214,8 +211,7 @@ class Viewport:
         elif word == "said":
             self._said = value if value.startswith("compiling ") else ""
         elif word == "answered":
-            (key, share), error = session.asked, value["error"]
-            session.asked, self._said = None, ""
+            (key, share), error, session.asked, self._said = session.asked, value["error"], None, ""
             if error and error["faults"] and (key["objects"] or key["materials"]):
                 # Such as a number out of the program's range, or a material that it reads as another one.
                 self._stale, self._moving, share = True, key, 1
@@ -250,10 +246,9 @@ class Viewport:
 
     def _tell(self):
         """Says in the view what is under way, and has it drawn anew if it has changed."""
-        session, engine = self._session, self._engine and self._engine()
-        words = self._failure or self._said or ("exporting the scene" if self._next else "")
-        if not words and session and self._key:
-            words = "rendering" if self._whole != self._key else f"{self._key['spp']} samples"
+        engine, at_rest = self._engine and self._engine(), self._whole == self._key
+        under_way = "exporting the scene" if self._next or not self._key else f"{self._key['spp']} samples" if at_rest else "rendering"
+        words = self._failure or self._said or under_way
         if engine and words != self._shown:
             self._shown = words
             engine.update_stats("", f"gpu-rt: {words}")

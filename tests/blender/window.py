@@ -190,6 +190,20 @@ def test_other_changes_are_exported():
     assert not is_other, verdict
 
 
+def test_an_edited_mesh_is_exported_once():
+    view, exports = views[0], views[0].exports
+    bpy.context.view_layer.objects.active = bpy.data.objects["Cube"]
+    for mode in ("EDIT", "OBJECT"):
+        with bpy.context.temp_override(window=bpy.context.window_manager.windows[0], area=area()):
+            bpy.ops.object.mode_set(mode=mode)
+        yield lambda: view.exports > exports and is_whole(view)()
+        until = time.monotonic() + 1
+        yield lambda: time.monotonic() > until
+        # Blender may tell of it twice.
+        assert view.exports <= exports + 2, view.exports - exports
+        exports = view.exports
+
+
 def test_views_that_move_the_frustum():
     """A camera view that is shifted, and a parallel one: all of F12's image is in them, elsewhere."""
     view, three = views[0], area().spaces.active.region_3d
