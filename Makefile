@@ -18,7 +18,7 @@ define install
 }
 endef
 
-.PHONY: render test test-programs driver display oidn wheel test-python pip blender validate test-blender test-page pages bpy quick test-long test-slurm slurm test-tint test-skies test-files fuzz soak test-drivers accuracy gpu gpu-kit gpu-compile lint toolchain
+.PHONY: render test test-programs driver display oidn wheel test-python pip blender validate test-blender test-blender-window test-page pages bpy quick test-long test-slurm slurm test-tint test-skies test-files fuzz soak test-drivers accuracy gpu gpu-kit gpu-compile lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -77,6 +77,12 @@ test-blender: toolchain blender driver
 	$(CARGO) build $(BUILD)
 	PATH="$(CURDIR)/target/release:$$PATH" PYTHONPATH=tests/blender \
 		target/bpy/bin/python -B -W ignore::DeprecationWarning -m unittest $(BLENDER_TESTS)
+
+# The 3D view in a window of Blender: as root, Debian 13 with Blender (1.3 GB) goes into target/blender-window.
+test-blender-window: toolchain
+	$(CARGO) build $(BUILD)
+	@command -v debootstrap >/dev/null || $(call install, debootstrap debian-archive-keyring, no debootstrap installs Debian 13)
+	@root=; [ "$$(id -u)" = 0 ] || root=sudo; $$root tests/blender/window.sh
 
 # Pages in Dawn and in Chromium, which also brings the software driver that all of these tests have.
 test-page: toolchain

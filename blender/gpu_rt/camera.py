@@ -31,26 +31,30 @@ def fields(scene, depsgraph, size, blur):
     if not abs(camera.matrix_world.determinant()) > 0:
         raise Failure(f"The camera {camera.name} has a scale of 0: press Alt S")
     matrix = camera.matrix_world.normalized()
-    at, back, up = matrix.translation, matrix.col[2].xyz, matrix.col[1].xyz
-    distance = 1.0
-    aperture = {}
-    if lens.dof.use_dof and lens.type == "PERSP":
-        focused = lens.dof.focus_object
-        if focused:
-            distance = abs((at - focused.evaluated_get(depsgraph).matrix_world.translation).dot(back))
-        else:
-            distance = lens.dof.focus_distance
-        # The f-number is a share of the focal length, which is in millimetres.
-        aperture = {"aperture": 1e-3 * lens.lens / lens.dof.aperture_fstop, "focus_distance": max(distance, 1e-6)}
+    up = matrix.col[1].xyz
+    aperture = aperture_of(camera, depsgraph)
+    distance = aperture.get("focus_distance", 1.0)
     view = lambda matrix: {
         "look_from": placed(matrix.translation),
-        "look_at": placed(matrix.translation - matrix.col[2].xyz.normalized() * max(distance, 1e-6)),
+        "look_at": placed(matrix.translation - matrix.col[2].xyz.normalized() * distance),
     }
     made = {
         "image": {"width": whole[0], "height": whole[1]},
         "camera": view(matrix) | {"up": placed(up)} | projection | aperture | blur.of_camera(view, up),
     }
     return made, (abs(across) + across, abs(down) + down)
+
+
+def aperture_of(camera, depsgraph):
+    """The fields of the camera that say how it blurs what is not in focus."""
+    lens, matrix = camera.data, camera.matrix_world.normalized()
+    if not lens.dof.use_dof or lens.type != "PERSP":
+        return {}
+    distance, focused = lens.dof.focus_distance, lens.dof.focus_object
+    if focused:
+        distance = abs((matrix.translation - focused.evaluated_get(depsgraph).matrix_world.translation).dot(matrix.col[2].xyz))
+    # The f-number is a share of the focal length, which is in millimetres.
+    return {"aperture": 1e-3 * lens.lens / lens.dof.aperture_fstop, "focus_distance": max(distance, 1e-6)}
 
 
 def _projection(name, lens, size, pixel, frame):

@@ -1,15 +1,14 @@
 """The engine: exports the scene by a second Blender, has the program render it, and shows the image."""
 
 import hashlib
-import json
 import pathlib
 import re
-import sys
 
 import bpy
 import numpy as np
 
-from . import exr
+from . import exr, viewport
+from .job import SCENE, answer_of, job_of
 from .losses import losses
 from .preferences import program
 from .process import Failure, run
@@ -21,7 +20,6 @@ PASSES = (("Depth", "Z", "VALUE"), ("Position", "XYZ", "VECTOR"), ("Denoising No
 AOVS = "--aov=albedo,normal,depth,position"
 # The depth where there is nothing, as Cycles has it.
 FAR = 1e10
-SCENE, ANSWER = "scene.ron", "answer.json"
 
 
 class Cancelled(Exception):
@@ -35,6 +33,16 @@ class GPU_RT_engine(bpy.types.RenderEngine):
     # The shader nodes of Cycles, and EEVEE where the viewport previews materials.
     bl_use_shading_nodes_custom = False
     bl_use_eevee_viewport = True
+
+    # What shows in a 3D view, if the engine is of one.
+    shown = None
+
+    def view_update(self, context, depsgraph):
+        self.shown = self.shown or viewport.Viewport()
+        self.shown.update(self, depsgraph)
+
+    def view_draw(self, context, depsgraph):
+        self.shown.draw(self, context, depsgraph)
 
     def update_render_passes(self, scene=None, renderlayer=None):
         self.register_pass(scene, renderlayer, "Combined", 4, "RGBA", "COLOR")
@@ -81,32 +89,12 @@ class GPU_RT_engine(bpy.types.RenderEngine):
         for file in folder.iterdir():
             if file.suffix != ".exr" or file.name == "world.exr":
                 file.unlink()
-        blend = str(folder / "copy.blend")
-        try:
-            bpy.data.libraries.write(blend, {scene.original}, path_remap="ABSOLUTE")
-        except (OSError, RuntimeError):
-            # Blender's own words may be "Success".
-            raise Failure(f"A copy of the file cannot be written to {folder}: is the disk full?") from None
-        job = {
-            "blend": blend, "scene": scene.name, "layer": layer, "frame": scene.frame_current, "subframe": scene.frame_subframe,
-            "size": size, "scripts": bpy.context.preferences.filepaths.use_scripts_auto_execute,
-        }
-        (folder / "job.json").write_text(json.dumps(job), encoding="utf-8")
-        script = str(pathlib.Path(__file__).with_name("export.py"))
-        blender = bpy.app.binary_path
-        command = [blender, "--background", "--factory-startup", "--python", script, "--"] if blender else [sys.executable, script]
+        job = {"scene": scene.name, "layer": layer, "frame": scene.frame_current, "subframe": scene.frame_subframe, "size": size}
         said = []
-        ended = run([*command, str(folder / "job.json")], folder, self.test_break, said.append)
+        ended = run(job_of(scene.original, folder, job), folder, self.test_break, said.append)
         if ended.cancelled:
             raise Cancelled
-        (folder / "export.log").write_text(ended.output + "\n".join(said), encoding="utf-8")
-        try:
-            answer = json.loads((folder / ANSWER).read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            last = "".join(f": {line}" for line in said[-1:])
-            raise Failure(f"The second Blender that exports the scene ended with status {ended.status}{last}") from None
-        if "error" in answer:
-            raise Failure(answer["error"])
+        answer = answer_of(folder, ended, said)
         for note in answer["notes"]:
             self.report({"WARNING"}, f"gpu-rt: {note}")
         return answer

@@ -25,7 +25,7 @@ def package():
 
 def export(job, folder):
     """Writes scene.ron and what it names. Returns what the engine has to know of it."""
-    from gpu_rt import blur, camera, geometry, lamps, ron, world
+    from gpu_rt import blur, camera, geometry, lamps, live, ron, world
     from gpu_rt.losses import pixel_filter
 
     bpy.ops.wm.open_mainfile(filepath=job["blend"], load_ui=False, use_scripts=job["scripts"])
@@ -33,25 +33,36 @@ def export(job, folder):
     window = bpy.context.window
     window.scene = scene
     window.view_layer = scene.view_layers[job["layer"]]
-    show_as_rendered(scene)
+    of_view = job.get("view", False)
+    if of_view:
+        # A 3D view has its own camera, no motion blur, and shows what the view does.
+        scene.render.use_motion_blur = False
+    else:
+        show_as_rendered(scene)
     scene.frame_set(job["frame"], subframe=job["subframe"])
     depsgraph = bpy.context.evaluated_depsgraph_get()
     moves = blur.Blur(scene, depsgraph, job["frame"] + job["subframe"])
-    fields, begin = camera.fields(scene, depsgraph, job["size"], moves)
+    fields, begin = live.FIELDS, (0, 0)
+    if not of_view:
+        fields, begin = camera.fields(scene, depsgraph, job["size"], moves)
     lights = lamps.Lamps(depsgraph, folder)
     background = world.background(scene, folder)
+    state = live.state(depsgraph, lights, bpy.data.materials) if of_view else {}
     # Last: it changes the scene of the window, and with it what Blender has evaluated.
-    files, notes = geometry.write_glbs(depsgraph, folder, moves)
+    files, notes, names = geometry.write_glbs(depsgraph, folder, moves)
     # Blender's exporter has Blender's +x along +x, and the image of the world has it along -z (axes.placed).
     meshes = {group: ron.Transformed(by=[ron.RotateY(90)], object=ron.Gltf(path=file)) for group, file in files.items()}
     meshes = [made if group is None else moves.moving(group, made) for group, made in meshes.items()]
     # Cycles' bounces are those after the first event.
     depth = scene.cycles.max_bounces + 1
-    fields |= {
+    fields = fields | {
         "background": background, "materials": lights.materials, "objects": [*meshes, *lights.objects], "render": {"max_depth": depth},
     }
     (folder / "scene.ron").write_text(ron.dumps(fields), encoding="utf-8")
-    return {"begin": begin, "notes": [*moves.notes, *notes], "exposure": scene.cycles.film_exposure, "filter": pixel_filter(scene.cycles)[0]}
+    return {
+        "begin": begin, "notes": [*moves.notes, *notes], "exposure": scene.cycles.film_exposure, "filter": pixel_filter(scene.cycles)[0],
+        "state": state, "names": names,
+    }
 
 
 def show_as_rendered(scene):

@@ -1,11 +1,13 @@
 """Lamps as objects of the scene file: surfaces that emit the same power, or lights without size."""
 
+import json
 import math
 
-from mathutils import Vector
+from mathutils import Matrix, Vector
 
 from . import ron
 from .axes import placed
+from .blur import key
 
 # The corners of the polygon that stands for an ellipse.
 CORNERS = 64
@@ -14,45 +16,55 @@ FAR = 1000.0
 
 
 class Lamps:
-    def __init__(self, depsgraph, folder):
-        self.materials, self.objects = {}, []
+    """`folder` gets the files of lamps, if it is given. `ball` is around the scene: a middle and a radius, by default around what there is.
+
+    `places` has, by the keys of instances, the shape of a lamp and the matrix that places it, in the order of `objects`. `values` has fields of
+    materials and of lights without size, by their names."""
+
+    def __init__(self, depsgraph, folder=None, ball=None):
+        self.materials, self.objects, self.places, self.values = {}, [], {}, {}
         self._folder = folder
-        self._depsgraph = depsgraph
+        self.ball = ball or bounds(depsgraph)
         for instance in depsgraph.object_instances:
             if instance.object.type == "LIGHT" and instance.show_self:
-                self._add(instance.object.name, instance.object.data, instance.matrix_world.copy())
+                count = len(self.objects)
+                place = self._add(instance.object.name, instance.object.data, instance.matrix_world.copy())
+                if len(self.objects) > count:
+                    self.places[json.dumps(key(instance))] = place
 
     def _add(self, name, light, matrix):
         power = strength(light, matrix)
         if not any(power) or getattr(light.cycles, "is_portal", False):
-            return
-        at, axis = placed(matrix.translation), -matrix.col[2].xyz.normalized()
+            return None
+        at, axis, upright = placed(matrix.translation), -matrix.col[2].xyz.normalized(), matrix.normalized()
         if light.type == "SUN":
-            self._add_sun(name, light, power, axis)
-        elif light.type == "AREA":
-            self._add_area(name, light, power, matrix, axis)
-        elif light.type == "SPOT":
+            return self._add_sun(name, light, power, axis), Matrix.Translation(self.ball[0]) @ upright.to_3x3().to_4x4()
+        if light.type == "AREA":
+            return self._add_area(name, light, power, matrix, axis), matrix
+        if light.type == "SPOT":
             inner, outer = beam(light)
-            towards, intensity = placed(matrix.translation + axis), tuple(power / (4 * math.pi))
-            self.objects.append(ron.SpotLight(at=at, towards=towards, intensity=intensity, inner=inner, outer=outer))
-        elif light.shadow_soft_size > 0:
-            radius = light.shadow_soft_size
+            self._light(name, "SpotLight", "intensity", power / (4 * math.pi), at=at, towards=placed(matrix.translation + axis), inner=inner, outer=outer)
+            return (inner, outer), upright
+        radius = light.shadow_soft_size
+        if radius > 0:
             # All directions see a disk of this radius.
             material = self._material(name, power / (4 * math.pi * math.pi * radius**2))
             self.objects.append(ron.Sphere(center=at, radius=radius, material=material))
         else:
-            self.objects.append(ron.PointLight(at=at, intensity=tuple(power / (4 * math.pi))))
+            self._light(name, "PointLight", "intensity", power / (4 * math.pi), at=at)
+        return (radius,), Matrix.Translation(matrix.translation)
 
     def _add_sun(self, name, light, power, axis):
         half = min(light.angle / 2, math.radians(89))
         if half <= 0:
-            self.objects.append(ron.DirectionalLight(direction=placed(axis), irradiance=tuple(power)))
-            return
-        middle, radius = self._bounds()
+            self._light(name, "DirectionalLight", "irradiance", power, direction=placed(axis))
+            return (0.0,)
+        middle, radius = self.ball
         distance = FAR * radius
         material = self._material(name, power / (math.pi * math.sin(half) ** 2))
         center = placed(middle - distance * axis)
         self.objects.append(ron.Disk(center=center, normal=placed(axis), radius=distance * math.tan(half), material=material))
+        return (half,)
 
     def _add_area(self, name, light, power, matrix, axis):
         height = light.size_y if light.shape in ("RECTANGLE", "ELLIPSE") else light.size
@@ -60,8 +72,9 @@ class Lamps:
         area = u.cross(v).length
         if light.shape in ("DISK", "ELLIPSE"):
             area *= math.pi / 4
+        shape = (light.shape, light.size, height)
         if area <= 0:
-            return
+            return shape
         # The lamp emits along its axis: there the corners run counter-clockwise.
         if u.cross(v).dot(axis) < 0:
             u, v = v, u
@@ -69,7 +82,7 @@ class Lamps:
         middle = matrix.translation
         if light.shape in ("SQUARE", "RECTANGLE"):
             self.objects.append(ron.Quad(corner=placed(middle - (u + v) / 2), u=placed(u), v=placed(v), material=material))
-            return
+            return shape
         # The polygon has the area of the ellipse.
         step = 2 * math.pi / CORNERS
         wider = math.sqrt(step / math.sin(step)) / 2
@@ -77,25 +90,40 @@ class Lamps:
         file = f"lamp-{len(self.objects)}.obj"
         lines = ["v %r %r %r" % placed(corner) for corner in corners]
         lines.append("f " + " ".join(str(i + 1) for i in range(CORNERS)))
-        (self._folder / file).write_text("\n".join(lines) + "\n")
+        if self._folder:
+            (self._folder / file).write_text("\n".join(lines) + "\n")
         self.objects.append(ron.Mesh(path=file, material=material))
+        return shape
 
-    def _material(self, name, radiance):
-        """The name of a new material that emits on one side. Names of Blender may hold any character."""
+    def _name(self, name, fields):
+        """A new name for these fields. Names of Blender may hold any character."""
         name = "".join(letter if letter.isprintable() else " " for letter in name)
-        while name in self.materials:
-            name += f" ({len(self.materials) + 1})"
-        self.materials[name] = ron.DiffuseLight(emit=ron.Rgb(*radiance), two_sided=False)
+        while name in self.values:
+            name += f" ({len(self.values) + 1})"
+        self.values[name] = fields
         return name
 
-    def _bounds(self):
-        """A ball around all objects with a size, and the camera."""
-        points = [self._depsgraph.scene.camera.matrix_world.translation]
-        for instance in self._depsgraph.object_instances:
-            if instance.show_self and instance.object.type in ("MESH", "CURVE", "SURFACE", "FONT", "META"):
-                points.extend(instance.matrix_world @ Vector(corner) for corner in instance.object.bound_box)
-        low, high = (Vector(end(p[axis] for p in points) for axis in range(3)) for end in (min, max))
-        return (low + high) / 2, max((high - low).length / 2, 1.0)
+    def _material(self, name, radiance):
+        """The name of a new material that emits on one side."""
+        name = self._name(name, {"emit": ron.Rgb(*radiance)})
+        self.materials[name] = ron.DiffuseLight(**self.values[name], two_sided=False)
+        return name
+
+    def _light(self, name, kind, field, strength, **place):
+        """Adds a light without size."""
+        name = self._name(name, {field: tuple(strength)})
+        self.objects.append(ron.Named(name=name, object=getattr(ron, kind)(**place, **self.values[name])))
+
+
+def bounds(depsgraph):
+    """A ball around all objects with a size, and the camera: its middle and its radius."""
+    camera = depsgraph.scene.camera
+    points = [camera.matrix_world.translation] if camera else [Vector()]
+    for instance in depsgraph.object_instances:
+        if instance.show_self and instance.object.type in ("MESH", "CURVE", "SURFACE", "FONT", "META"):
+            points.extend(instance.matrix_world @ Vector(corner) for corner in instance.object.bound_box)
+    low, high = (Vector(end(p[axis] for p in points) for axis in range(3)) for end in (min, max))
+    return (low + high) / 2, max((high - low).length / 2, 1.0)
 
 
 def strength(light, matrix):

@@ -26,20 +26,24 @@ def _end_with_parent():
     _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
+def start(command, folder, stdin):
+    try:
+        # In a session of its own it gets no Ctrl-C of a terminal, which would be its second one.
+        return subprocess.Popen(
+            command, cwd=folder, stdin=stdin, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
+            preexec_fn=_end_with_parent if _LIBC else None,
+        )
+    except OSError as error:
+        raise Failure(f"{command[0]} cannot be started: {error.strerror}") from None
+
+
 def run(command, folder, is_cancelled, say, wait=lambda: None):
     """Runs a command in a folder. `say` takes each line of standard error, and `wait` is called between, about ten times a second.
 
     SIGTERM stops a command that is cancelled: then the program writes its image. Windows has no such signal, and kills it: there, what the
     last checkpoint has written stays.
     """
-    try:
-        # In a session of its own it gets no Ctrl-C of a terminal, which would be its second one.
-        process = subprocess.Popen(
-            command, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
-            preexec_fn=_end_with_parent if _LIBC else None,
-        )
-    except OSError as error:
-        raise Failure(f"{command[0]} cannot be started: {error.strerror}") from None
+    process = start(command, folder, subprocess.DEVNULL)
     lines, output = [], []
 
     def read_lines():

@@ -37,12 +37,16 @@ class Viewer:
         self._server.close()
 
     def _serve(self):
-        try:
-            connection, _ = self._server.accept()
-            with connection, connection.makefile("rb") as stream:
-                self._read(stream)
-        except (OSError, struct.error, ValueError):
-            pass  # the program has ended, or this viewer is closed
+        while True:
+            try:
+                connection, _ = self._server.accept()
+            except OSError:
+                return  # this viewer is closed
+            try:
+                with connection, connection.makefile("rb") as stream:
+                    self._read(stream)
+            except (OSError, struct.error, ValueError):
+                pass  # the render has ended
 
     def _read(self, stream):
         pixels = None

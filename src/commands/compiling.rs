@@ -19,12 +19,12 @@ pub struct Compiling {
 }
 
 impl Compiling {
-    /// Begins for these devices. `quiet` shows nothing.
-    pub fn show(devices: &[Arc<Device>], quiet: bool) -> Compiling {
+    /// Begins for these devices; at once if somebody watches the image. `quiet` shows nothing.
+    pub fn show(devices: &[Arc<Device>], quiet: bool, is_watched: bool) -> Compiling {
         let (begin, devices) = (Instant::now(), devices.to_vec());
         let (over, is_over) = channel::<()>();
         let show = move || {
-            let mut progress = Loading::new(quiet);
+            let mut progress = if is_watched { Loading::at_once(quiet) } else { Loading::new(quiet) };
             while is_over.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout) {
                 let each = devices.iter().map(|device| device.compiling.get());
                 let (ready, all) = each.fold((0, 0), |sum, (ready, all)| (sum.0 + ready, sum.1 + all));

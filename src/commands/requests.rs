@@ -23,6 +23,9 @@ pub struct Request {
     pub seed: Option<u32>,
     pub spp: Option<u32>,
     pub aov: Option<String>,
+    /// As `--size` and `--display-server` have them.
+    pub size: Option<String>,
+    pub display: Option<String>,
     pub frame: Option<f64>,
     /// These three are as in [`Change`](crate::scene::Change).
     pub camera: Option<String>,

@@ -9,7 +9,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::console::{path_text, write_stdout};
-use super::render::args::{GoalArgs, KeepArgs, MessageArgs};
+use super::render::args::{GoalArgs, KeepArgs, MessageArgs, host_and_port};
 use super::render::{RenderArgs, Reported, Series, render};
 use super::requests::{Request, Requests};
 use super::scene::{frame_of, load_from, size_of};
@@ -102,8 +102,15 @@ impl Server {
         if !args.goal.spp.is_none_or(|spp| (1..=MOST_SAMPLES).contains(&i64::from(spp))) {
             return Err(Error::Usage(format!("spp: expected a number of samples from 1 to {MOST_SAMPLES}")));
         }
+        let wrong = |field: &'static str| move |reason: String| Error::Usage(format!("{field}: {reason}"));
         if let Some(words) = &request.aov {
-            args.options.aov.set(Aovs::parse(words).map_err(|reason| Error::Usage(format!("aov: {reason}")))?);
+            args.options.aov.set(Aovs::parse(words).map_err(wrong("aov"))?);
+        }
+        if let Some(size) = &request.size {
+            args.goal.size = Some(size.parse().map_err(wrong("size"))?);
+        }
+        if let Some(address) = &request.display {
+            args.viewers.display_server = Some(host_and_port(address).map_err(wrong("display"))?);
         }
         args.options.aov.complete(is_gltf(&args.scene.path));
         args.scene.gltf.frame = request.frame.or(args.scene.gltf.frame);

@@ -249,6 +249,12 @@ impl Loading {
         Loading { start: Instant::now(), display: quiet.then_some(Display::Hidden) }
     }
 
+    /// Shows work at once, for somebody who waits for it.
+    pub fn at_once(quiet: bool) -> Loading {
+        let now = Instant::now();
+        Loading { start: now.checked_sub(LINE_INTERVAL).unwrap_or(now), ..Loading::new(quiet) }
+    }
+
     /// Shows the current work, and the share of it that is done.
     pub fn show(&mut self, words: &str, share: f64) {
         self.show_with(share, || words.to_string());

@@ -11,6 +11,7 @@ import tempfile
 import time
 import tomllib
 import unittest
+from types import SimpleNamespace
 from unittest import mock
 
 import bpy  # first: it brings the other modules
@@ -22,7 +23,9 @@ FOLDER = pathlib.Path(__file__).resolve().parent
 # The extension, and not the module of PyPI that has the same name.
 sys.path.insert(0, str(FOLDER.parents[1] / "blender"))
 import gpu_rt
-from gpu_rt import engine, exr, lamps, losses, panel, preferences, process
+from gpu_rt import camera as camera_of
+from gpu_rt import engine, exr, lamps, live, losses, panel, preferences, process, ron, viewport
+from gpu_rt.job import job_of
 
 SIZE = (64, 48)
 # Of Cycles and of the program, samples of a pixel.
@@ -1007,7 +1010,7 @@ class Errors(InBlender):
         self.fails("no camera")
 
     def test_second_blender(self):
-        with mock.patch.object(engine.sys, "executable", "/bin/false"):
+        with mock.patch.object(sys, "executable", "/bin/false"):
             self.fails("The second Blender that exports the scene ended with status 1")
 
     def test_disk_that_is_full(self):
@@ -1129,6 +1132,129 @@ class Compositor(InBlender):
                     self.assertGreater(((found > 0) & (found < 1)).sum(), 10)
             # The control: a name that no pixel has.
             self.assertEqual(self.matte(image, "ViewLayer.CryptoObject", "Cone").max(), 0)
+
+
+class View(InBlender):
+    """What a 3D view sends, without a window; window.py has one."""
+
+    def state(self, materials=()):
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        return live.state(depsgraph, lamps.Lamps(depsgraph), materials)
+
+    def update(self, changed, geometry=False):
+        return SimpleNamespace(id=changed, is_updated_geometry=geometry)
+
+    def session(self):
+        """A session of the scene, and what it says first."""
+        folder = pathlib.Path(tempfile.mkdtemp(dir=self.folder))
+        job = {"scene": self.scene.name, "layer": self.scene.view_layers[0].name, "frame": 1, "subframe": 0.0, "view": True}
+        command = [preferences.program(), "serve", "scene.ron", "--no-state", f"--device={software_device()}"]
+        session = viewport.Session(job_of(self.scene, folder, job), command, folder)
+        self.addCleanup(session.join, 60)
+        self.addCleanup(session.close)
+        session.start()
+        return session, self.event(session, "opened")
+
+    def event(self, session, expected):
+        while True:
+            word, value = session.events.get(timeout=120)
+            if word in (expected, "failed"):
+                self.assertEqual(word, expected, value)
+                return value
+
+    def of_view(self):
+        """The fields of the camera of a view that shows what the scene's camera does."""
+        camera, depsgraph = self.scene.camera, bpy.context.evaluated_depsgraph_get()
+        window = camera.calc_matrix_camera(depsgraph, x=SIZE[0], y=SIZE[1])
+        return ron._text(live.camera(camera.matrix_world.normalized().inverted(), window, camera_of.aperture_of(camera, depsgraph)))
+
+    def test_pictures_are_those_of_f12(self):
+        """Of each kind of camera, and of changes that are requests."""
+        self.stage()
+        spot, sun = add_lamp("SPOT", 500, (-3, 0, 4), (0, -30, 0), shadow_soft_size=0), add_lamp("SUN", 1, (0, 0, 5), (40, 10, 30))
+        ellipse = add_lamp("AREA", 300, (1.5, -1.5, 4), (20, 20, 0), size=2, shape="ELLIPSE", size_y=1)
+        session, answer = self.session()
+        camera, cube = self.scene.camera.data, bpy.data.objects["Cube"]
+        material = cube.data.materials[0]
+        objects, materials = {}, {}
+        for number, change in enumerate((
+            # F12 shifts by whole pixels.
+            lambda: None, lambda: (setattr(camera, "shift_x", 13 / SIZE[0]), setattr(camera, "shift_y", -6 / SIZE[0])),
+            lambda: (setattr(camera, "type", "ORTHO"), setattr(camera, "ortho_scale", 7)),
+            lambda: (setattr(cube, "location", (0.5, 1, 0.5)), setattr(cube, "rotation_euler", (0.1, 0.2, 0.3)), setattr(cube, "scale", (1.2,) * 3)),
+            lambda: [setattr(lamp, "rotation_euler", (0.5, 0.1, 0.2)) for lamp in (spot, sun, ellipse)] + [setattr(spot, "location", (-2, 0, 4))],
+            lambda: [setattr(lamp.data, "energy", 2 * lamp.data.energy) for lamp in (spot, sun, ellipse)]
+            + [setattr(material.node_tree.nodes["Principled BSDF"].inputs["Base Color"], "default_value", (0.1, 0.2, 0.7, 1))],
+        )):
+            with self.subTest(number):
+                change()
+                before = objects, materials
+                objects, materials = live.difference(answer["state"], self.state([material]), answer["names"])
+                self.assertEqual((objects, materials) != before, number > 2)
+                session.send({
+                    "camera": self.of_view(), "size": "%dx%d" % SIZE, "spp": SPP, "objects": objects, "materials": materials, "seed": 1,
+                    "output": "view.exr", "display": session.viewer.address,
+                })
+                self.assertIsNone(self.event(session, "answered")["error"])
+                image, expected = read(session._folder / "view.exr"), self.f12()["Combined"]
+                # Without their headers: F12's is a part of an image if the lens is shifted.
+                OpenEXR.File({}, {colour: image[colour] for colour in "RGB"}).write(str(self.folder / "view.exr"))
+                OpenEXR.File({}, {colour: np.ascontiguousarray(expected[..., index]) for index, colour in enumerate("RGB")}).write(str(self.folder / "f12.exr"))
+                line = [preferences.program(), "compare", self.folder / "view.exr", self.folder / "f12.exr", "--json"]
+                report = json.loads(subprocess.run(line, capture_output=True, check=True).stdout)
+                self.assertGreaterEqual(report["p"], report["level"], report["verdict"])
+        self.assertEqual(len(objects), 4)
+        self.assertEqual(len(materials), 4)
+
+    def test_a_session_ends_when_it_is_closed(self):
+        for is_open in (True, False):
+            session = self.session()[0] if is_open else viewport.Session(["sleep", "60"], ["sleep", "60"], pathlib.Path(tempfile.mkdtemp(dir=self.folder)))
+            if not is_open:
+                session.start()
+            session.close()
+            session.join(10)
+            self.assertFalse(session.is_alive() or session._folder.exists())
+            self.assertTrue(session._program is None or session._program.poll() is not None)
+
+    def test_what_only_an_export_shows(self):
+        cube, light = bpy.data.objects["Cube"], bpy.data.objects["Light"]
+        material = cube.data.materials[0]
+        inputs = material.node_tree.nodes["Principled BSDF"].inputs
+        other = matt("Other")
+        cube.data.materials[0] = material
+        then = self.state([material])
+        names = dict.fromkeys(then["objects"], "Cube.001")
+        self.assertEqual(live.difference(then, then, names), ({}, {}))
+        for thing, name, value in (
+            (cube, "scale", (1, 2, 1)), (cube, "scale", (-1, 1, 1)), (cube, "scale", (0, 0, 0)), (cube, "hide_viewport", True), (light.data, "shadow_soft_size", 0.5),
+            (light.data, "energy", 0), (light, "hide_viewport", True), (inputs["Transmission Weight"], "default_value", 1), (inputs["Metallic"], "default_value", 1),
+            (inputs["Base Color"], "default_value", (0, 0, 0, 1)), (inputs["Emission Strength"], "default_value", 1), (cube.material_slots[0], "material", other),
+        ):
+            with self.subTest(f"{name} {value}"):
+                before = getattr(thing, name)
+                before = before if not hasattr(before, "__len__") else tuple(before)
+                setattr(thing, name, value)
+                if name == "default_value" and thing.name == "Emission Strength":
+                    inputs["Emission Color"].default_value = (1, 1, 1, 1)
+                self.assertIsNone(live.difference(then, self.state([material]), names))
+                setattr(thing, name, before)
+                self.assertEqual(live.difference(then, self.state([material]), names), ({}, {}))
+        inputs["Roughness"].default_value, inputs["Metallic"].default_value = 0.25, 0.75
+        self.assertEqual(live.difference(then, self.state([material]), names)[1], {"scene.glb#Material": "(roughness: 0.25, metallic: 0.75)"})
+
+    def test_updates_that_need_an_export(self):
+        cube, light, world = bpy.data.objects["Cube"], bpy.data.objects["Light"], self.scene.world
+        image = bpy.data.images.new("An image", 4, 4)
+        for update, expected in (
+            (self.update(cube), False), (self.update(cube, True), True), (self.update(cube.data), False), (self.update(cube.data, True), True),
+            (self.update(light, True), False), (self.update(light.data, True), False), (self.update(self.scene, True), False), (self.update(world), True),
+            (self.update(image), True), (self.update(self.scene.camera.data, True), False), (self.update(cube.data.materials[0]), False),
+        ):
+            with self.subTest(update.id.name):
+                self.assertEqual(live.needs_export([update]), expected)
+        tree = cube.data.materials[0].node_tree
+        tree.links.new(tree.nodes.new("ShaderNodeTexImage").outputs[0], tree.nodes["Principled BSDF"].inputs["Base Color"])
+        self.assertTrue(live.needs_export([self.update(cube.data.materials[0])]))
 
 
 class Files(InBlender):

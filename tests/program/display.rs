@@ -25,7 +25,7 @@ fn listen() -> (TcpListener, SocketAddr) {
 }
 
 /// A viewer that takes all that one program sends it.
-fn viewer() -> (String, Arc<Mutex<Vec<u8>>>, std::thread::JoinHandle<()>) {
+pub fn viewer() -> (String, Arc<Mutex<Vec<u8>>>, std::thread::JoinHandle<()>) {
     let ((listener, address), bytes) = (listen(), Arc::<Mutex<Vec<u8>>>::default());
     let (theirs, mut some) = (bytes.clone(), [0; 4096]);
     let read = move || {
@@ -76,7 +76,7 @@ fn update(name: &str, (width, height): (u32, u32), rgb: &[[f32; 3]]) -> Vec<Vec<
 
 /// One creation, then images, of which the last is that of the file. The number of images.
 #[track_caller]
-fn assert_shown(sandbox: &Sandbox, bytes: &[u8], size: (u32, u32)) -> usize {
+pub fn assert_shown(sandbox: &Sandbox, bytes: &[u8], size: (u32, u32)) -> usize {
     let image = sandbox.exr("sphere.exr");
     let last = update("sphere.exr", size, &image.rgb);
     let packets = packets(bytes);

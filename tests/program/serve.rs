@@ -14,6 +14,7 @@ use serde_json::{Value, json};
 use crate::common::device::index as software;
 use crate::common::fault::Fault;
 use crate::common::program::{finish, send, until};
+use crate::display::{assert_shown, viewer};
 use crate::sandbox::{ENDLESS, Sandbox};
 
 /// A glass cup on a table, fog, lamps of both kinds. The fields of the camera, the place of the cup, and the fields of the lamps are left open.
@@ -159,6 +160,7 @@ fn images_are_those_of_the_command_line() {
             scene(CAMERA, "", "emit: Rgb(1, 9, 2), two_sided: false", BULB),
             "--seed 3",
         ),
+        (json!({"size": "30x10"}), scene(CAMERA, "", LAMP, BULB), "--seed 3 --size 30x10"),
         (
             json!({"materials": {"bulb": "(intensity: (9, 0, 0))"}}),
             scene(CAMERA, "", LAMP, "at: (0, 0, 0), intensity: (9, 0, 0)"),
@@ -231,6 +233,9 @@ fn a_bad_request_leaves_the_session_usable() {
         (r#"{"sed": 3}"#.to_owned(), "unknown field `sed`, expected one of `output`, `seed`"),
         (of_scene(r#""spp": 0"#), "expected a number of samples from 1 to"),
         (of_scene(r#""aov": "fog""#), "aov: expected some of albedo"),
+        (of_scene(r#""size": "0x16""#), "size: expected WIDTHxHEIGHT from 1x1"),
+        (of_scene(r#""size": 16"#), "the request: invalid type: integer `16`, expected a string"),
+        (of_scene(r#""display": "14158""#), "display: expected HOST:PORT"),
         (of_scene(r#""camera": "(look_fron: (1, 2, 3))""#), "did you mean look_from?"),
         (of_scene(r#""camera": "(look_from: (0, 0, 0))""#), "look_at and look_from are the same point"),
         (of_scene(r#""camera": "(look_from: (1, 2, 3)""#), "expected fields in brackets"),
@@ -269,6 +274,23 @@ fn a_bad_request_leaves_the_session_usable() {
     assert!(!sandbox.at("bad.exr").exists());
     served.renders("last.exr", json!({}));
     assert!(contents(&sandbox.at("last.exr")) == first);
+    served.ends(0);
+}
+
+/// Each request may have a viewer and a size of its own.
+#[test]
+fn a_viewer_gets_the_images_of_a_request() {
+    let sandbox = Sandbox::new();
+    let mut served = Served::open(&sandbox, &[]);
+    for (width, height) in [(20, 10), (5, 2)] {
+        let (address, bytes, viewer) = viewer();
+        served.renders("sphere.exr", json!({"size": format!("{width}x{height}"), "display": address}));
+        viewer.join().expect("the viewer has all");
+        assert!(assert_shown(&sandbox, &bytes.lock().unwrap(), (width, height)) >= 1);
+        served.renders("other.exr", json!({}));
+    }
+    // One that is not there stops nothing.
+    served.renders("other.exr", json!({"display": "127.0.0.1:1"}));
     served.ends(0);
 }
 

@@ -179,7 +179,7 @@ fn parse_resume(text: &str) -> Result<Resume, String> {
     }
 }
 
-fn host_and_port(text: &str) -> Result<String, String> {
+pub fn host_and_port(text: &str) -> Result<String, String> {
     match text.rsplit_once(':') {
         Some((host, port)) if !host.is_empty() && port.parse::<u16>().is_ok_and(|port| port > 0) => Ok(text.to_owned()),
         _ => Err("expected HOST:PORT, such as 127.0.0.1:14158".to_string()),

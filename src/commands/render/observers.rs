@@ -124,7 +124,7 @@ impl<'a> Observers<'a> {
 impl Observer for Observers<'_> {
     fn compiling(&mut self, devices: &[Arc<Device>]) -> Result<()> {
         let ending = self.signals.end_at_once("while compiling")?;
-        self.compiling = Some((Compiling::show(devices, self.quiet), ending));
+        self.compiling = Some((Compiling::show(devices, self.quiet, self.viewers.any()), ending));
         Ok(())
     }
 
