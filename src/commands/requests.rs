@@ -5,12 +5,12 @@ use std::io::stdin;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::Builder;
 
 use serde::Deserialize;
 
-use super::signals::Signals;
+use super::signals::{Signals, WAIT};
 use crate::error::{Error, Result};
 use crate::scene::Rows;
 
@@ -66,9 +66,14 @@ impl Requests {
         Ok(requests)
     }
 
-    /// The next request, or what is wrong with it; nothing behind the last one.
+    /// The next request, or what is wrong with it; nothing behind the last one, or once a signal has come.
     pub fn next(&self) -> Option<Result<Request>> {
-        let (request, interrupts_before) = self.coming.recv().ok()?;
+        let (request, interrupts_before) = loop {
+            match self.coming.recv_timeout(WAIT) {
+                Err(RecvTimeoutError::Timeout) if !self.signals.have_come() => {}
+                next => break next.ok()?,
+            }
+        };
         // In this order, so that none is lost that comes just now.
         self.signals.set_stop(false);
         if self.interrupts.load(Ordering::SeqCst) > interrupts_before {

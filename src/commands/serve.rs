@@ -71,7 +71,10 @@ pub fn run(args: &ServeArgs) -> Result<()> {
             None => {}
         }
     }
-    Ok(())
+    match signals.have_come() {
+        true => Err(signals.interrupted("the session ends")),
+        false => Ok(()),
+    }
 }
 
 struct Server {

@@ -352,6 +352,12 @@ fn the_end_of_its_input_and_signals_end_it() {
     assert_eq!(served.answer()["error"]["interrupted"], true);
     served.ends(128 + libc::SIGTERM);
 
+    // While it waits for a request, too.
+    let mut served = Served::open(&sandbox, &[]);
+    served.renders("a.exr", json!({}));
+    send(&served.child, libc::SIGTERM);
+    assert_eq!(served.child.wait().expect("it ends").code(), Some(128 + libc::SIGTERM));
+
     // Its parent's end, while it renders: the images are gone with it.
     fs::create_dir(sandbox.at("images")).expect("a folder is made");
     let program = env!("CARGO_BIN_EXE_gpu-rt");

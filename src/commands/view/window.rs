@@ -471,7 +471,7 @@ fn choice<T: Copy + PartialEq>(ui: &mut Ui, name: &str, chosen: &mut T, values: 
 /// The line below the image: the samples, their error, and what takes time.
 fn state_line(ui: &mut Ui, state: &ViewState) {
     for error in &state.errors {
-        ui.colored_label(Color32::LIGHT_RED, error);
+        ui.colored_label(Color32::LIGHT_RED, error).on_hover_text("R tries again");
     }
     ui.horizontal_wrapped(|ui| {
         match state.shown.as_ref().filter(|shown| !shown.is_small) {
