@@ -28,17 +28,17 @@ use crate::threads::join;
 pub use args::RenderArgs;
 use last_write::LastWrite;
 use observers::Observers;
-use record::{Clock, record, report};
-pub use record::{Finish, attributes_of, per_sample};
+use record::{Clock, per_sample, record, report};
+pub use record::{Finish, attributes_of};
 pub use request::excluded;
 use request::{Request, denoising_of};
 use resume::starting_film;
+#[cfg(feature = "window")]
+pub use save::save;
 pub use series::{Reported, Series};
 pub use summary::{error_words, matte_warning, noise_words, reliability_warnings};
 use summary::{rejected_words, summarise};
 use viewers::Viewers;
-#[cfg(feature = "window")]
-pub use {record::Seconds, save::save};
 
 /// Renders the scene once, or whenever it changes, or for each frame of it.
 pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {

@@ -216,7 +216,7 @@ fn a_saved_image_is_that_of_render() {
 fn the_image_after_a_drag_is_that_of_the_copied_camera() {
     let mut viewer = Viewer::open("--spp 16");
     viewer.until_samples(16);
-    let before = viewer.harness.state().camera().clone();
+    let before = viewer.harness.state().camera.clone();
     viewer.drag(60.0, 30.0);
     let revision = viewer.link.orders().revision;
     assert!(revision > 0);
@@ -224,7 +224,7 @@ fn the_image_after_a_drag_is_that_of_the_copied_camera() {
         state.shown.as_ref().is_some_and(|shown| shown.is_small && shown.revision == revision && shown.size == (24, 16))
     });
     viewer.until_samples(16);
-    let after = viewer.harness.state().camera().clone();
+    let after = viewer.harness.state().camera.clone();
     assert!((after.look_from - after.look_at).length() - (before.look_from - before.look_at).length() < 1e-9);
     // A drag to the right turns the scene to the right, and downwards shows it from above.
     assert!(after.look_from.x < -0.1 && after.look_from.y > before.look_from.y + 0.1, "{after:?}");
@@ -246,7 +246,7 @@ fn the_image_after_a_drag_is_that_of_the_copied_camera() {
     ran(&mut command(viewer.folder.path(), &words(&line))).exits(0);
     assert_same(&viewer.path("a.exr"), &viewer.path("b.exr"));
     viewer.press("Reset");
-    assert_eq!(*viewer.harness.state().camera(), before);
+    assert_eq!(viewer.harness.state().camera, before);
     viewer.until_samples(16);
 }
 
@@ -256,7 +256,7 @@ fn keys_and_the_wheel_move_the_camera() {
     use eframe::egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, TouchPhase, vec2};
     let mut viewer = Viewer::open("--spp 8");
     viewer.until_samples(8);
-    let camera = |viewer: &Viewer| viewer.harness.state().camera().clone();
+    let camera = |viewer: &Viewer| viewer.harness.state().camera.clone();
     let start = camera(&viewer);
     let distance = |viewer: &Viewer| (camera(viewer).look_from - camera(viewer).look_at).length();
     viewer.harness.key_press(Key::Plus);
@@ -312,7 +312,7 @@ fn a_click_finds_the_surface_and_focuses() {
     viewer.click((48, 62));
     viewer.until("the floor", |state| state.surface.as_ref().is_some_and(|found| found.pixel == (48, 62)));
     viewer.until_samples(8);
-    let camera = viewer.harness.state().camera();
+    let camera = &viewer.harness.state().camera;
     let floor = viewer.link.state().surface.unwrap();
     assert_eq!(camera.focus_distance, Some(floor.depth));
     // The ray falls by tan(20°) · 61/64 a unit of depth, and the floor is 1 below.
@@ -363,16 +363,16 @@ fn a_save_of_the_scene_keeps_the_camera() {
     let before = viewer.until_samples(8).shown.unwrap().picture.rgb.clone();
     viewer.drag(40.0, 0.0);
     viewer.until_samples(8);
-    let camera = viewer.harness.state().camera().clone();
+    let camera = viewer.harness.state().camera.clone();
     fs::write(viewer.path("scene.ron"), SCENE.replace("radius: 1, material: \"red\"", "radius: -1, material: \"red\""))
         .unwrap();
     let found = viewer.until("the error", |state| !state.errors.is_empty());
     assert!(found.errors[0].contains("scene.ron:11:") && found.errors[0].contains("radius"), "{:?}", found.errors);
     assert!(viewer.has("scene.ron:11:"));
     fs::write(viewer.path("scene.ron"), SCENE.replace("Rgb(0.8, 0.2, 0.1)", "Rgb(0.1, 0.2, 0.8)")).unwrap();
-    viewer.until("the mended scene", |state| state.camera.1 == 2);
+    viewer.until("the mended scene", |state| state.errors.is_empty());
     viewer.until_samples(8);
-    assert_eq!(*viewer.harness.state().camera(), camera);
+    assert_eq!(viewer.harness.state().camera, camera);
     let found = viewer.until("no error", |state| state.errors.is_empty());
     let blue = |rgb: &[[f32; 3]]| rgb[96 * 40 + 40][2] > rgb[96 * 40 + 40][0];
     assert!(blue(&found.shown.unwrap().picture.rgb) && !blue(&before));

@@ -15,10 +15,10 @@ use crate::session::Session;
 ///
 /// # Errors
 /// As of `render`, where a file cannot be written.
-pub fn save(args: &RenderArgs, scene: &Scene, session: &Session, film: &Accumulation, seconds: &Seconds) -> Result<()> {
+pub fn save(args: &RenderArgs, scene: &Scene, session: &Session, film: &Accumulation) -> Result<()> {
     let mut request = Request::new(args, scene, Instant::now())?;
     request.take(&session.scene)?;
-    let facts = record(&request, session.numerics()?, &Finish::new(film, None, true), seconds);
+    let facts = record(&request, session.numerics()?, &Finish::new(film, None, true), &Seconds::default());
     let state = State::new(request.identity().clone(), film);
     request.write(&film.film, Some(&state), &attributes_of(&facts))?;
     request.write_png(&film.film)

@@ -8,13 +8,13 @@ mod rendering;
 use std::ops::RangeInclusive;
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::Arc;
-use std::thread::{self, Builder, JoinHandle, sleep};
+use std::thread::{self, Builder, sleep};
 use std::time::{Duration, Instant};
 
 use clap::ValueEnum;
 use eframe::egui::{
-    Button, CentralPanel, Color32, ColorImage, ComboBox, Context, DragValue, Image, Key, Panel, PointerButton, Pos2,
-    Rect, Response, RichText, Role, ScrollArea, Sense, TextureFilter, TextureHandle, TextureOptions, Ui, Vec2,
+    CentralPanel, Color32, ColorImage, ComboBox, Context, DragValue, Image, Key, Panel, PointerButton, Pos2, Rect,
+    Response, RichText, Role, ScrollArea, Sense, TextureFilter, TextureHandle, TextureOptions, Ui, Vec2,
     ViewportBuilder, ViewportCommand, WidgetInfo, vec2,
 };
 use eframe::{App, AppCreator, Error as WindowError, Frame, NativeOptions};
@@ -25,13 +25,15 @@ use crate::commands::console::tell;
 use crate::commands::scene::name_of;
 use crate::commands::signals::{Signals, WAIT};
 use crate::error::{Error, Result};
+use crate::film::UNKNOWN_VARIANCE;
 use crate::output::destination::is_standard;
 use crate::output::view_transform::{Tonemap, ViewTransform};
 use crate::printable::percent;
 use crate::scene::Camera;
 use layers::{AOVS, PictureLayer, Shown};
+use link::PixelSurface;
 pub use link::{Link, ViewState};
-use navigation::{dolly, f_number, field_of_view, focus_at, orbit, pan, set_f_number, set_field_of_view, turn_around};
+use navigation::{dolly, f_number, field_of_view, orbit, pan, set_f_number, turn_around};
 pub use rendering::Rendering;
 
 /// The angle for a drag over the height of the image, in radians, and for a key.
@@ -56,13 +58,12 @@ pub struct Window {
     link: Arc<Link>,
     /// The signals that close it.
     signals: Signals,
-    camera: Camera,
-    /// The camera of the scene, and how often that had been read.
-    scene: (Camera, u64),
-    is_moved: bool,
+    /// The camera of the view.
+    pub camera: Camera,
+    /// The camera of the scene file, and that of a reset, which may have another target.
+    read: Camera,
+    start: Camera,
     view: ViewTransform,
-    layer: PictureLayer,
-    is_paused: bool,
     /// Whether the next click makes what it meets sharp, and the pixel of that click.
     focuses: bool,
     focus: Option<(u32, u32)>,
@@ -77,7 +78,7 @@ pub struct Window {
 /// Opens the window, until it is closed or a signal comes.
 ///
 /// # Errors
-/// `Error::Usage` without a display, `Error::Device` without OpenGL or where the display has gone, `Error::Interrupted` after a signal. Else those of
+/// `Error::Usage` without a display that has OpenGL, `Error::Device` where it has gone, `Error::Interrupted` after a signal. Else those of
 /// `render`.
 pub fn run(args: &WindowArgs) -> Result<()> {
     let (signals, link) = (Signals::listen("nothing has been written"), Arc::<Link>::default());
@@ -109,12 +110,22 @@ pub fn run(args: &WindowArgs) -> Result<()> {
     if let Some(text) = link.orders().camera {
         tell(&format!("camera: {text}"));
     }
-    end(&link, &renderer);
-    match opened {
+    link.order(|orders| orders.ends = true);
+    let begin = Instant::now();
+    while !renderer.is_finished() && begin.elapsed() < PATIENCE {
+        sleep(Duration::from_millis(5));
+    }
+    let result = match opened {
         _ if signals.have_come() => Err(signals.interrupted("the window is closed")),
         Ok(result) => result.map_err(|error| explained(&error)),
         Err(reason) => Err(Error::Device(format!("the display has failed: {reason}"))),
+    };
+    if !renderer.is_finished() {
+        // Destructors of a driver that is at work may crash.
+        let status = result.map_or_else(|error| (tell(&format!("error: {error}")), error.exit_status()).1, |()| 0);
+        signal_hook::low_level::exit(status.into());
     }
+    result
 }
 
 /// Wakes the window when a signal comes. Without a thread for that, a signal is noticed with the next picture.
@@ -142,29 +153,10 @@ fn caught<T>(window: impl FnOnce() -> T) -> std::result::Result<T, String> {
     result.map_err(|panic| panic.downcast_ref::<String>().cloned().unwrap_or_default())
 }
 
-/// Has the thread that renders end.
-fn end(link: &Link, renderer: &JoinHandle<()>) {
-    link.order(|orders| orders.ends = true);
-    let begin = Instant::now();
-    while !renderer.is_finished() {
-        if begin.elapsed() > PATIENCE {
-            // Destructors of a driver that is at work may crash.
-            signal_hook::low_level::exit(0);
-        }
-        sleep(Duration::from_millis(5));
-    }
-}
-
 fn explained(error: &WindowError) -> Error {
     let words = error.to_string();
     let reason = words.rsplit(": ").next().unwrap_or_default().trim_end_matches('.');
-    let instead = "`gpu-rt render --preview` draws in the terminal";
-    match error {
-        WindowError::Winit(_) | WindowError::WinitEventLoop(_) => {
-            Error::Usage(format!("there is no display for a window: {reason}. {instead}"))
-        }
-        _ => Error::Device(format!("the window cannot be drawn by OpenGL: {reason}. {instead}")),
-    }
+    Error::Usage(format!("there is no display for a window: {reason}. `gpu-rt render --preview` draws in the terminal"))
 }
 
 impl App for Window {
@@ -183,13 +175,8 @@ impl App for Window {
 impl Window {
     /// The window of a scene that has been read.
     pub fn new(link: Arc<Link>, view: ViewTransform) -> Window {
-        let scene = link.state().camera;
-        Window { link, view, camera: scene.0.clone(), scene, ..Window::default() }
-    }
-
-    /// The camera of the view.
-    pub fn camera(&self) -> &Camera {
-        &self.camera
+        let read = link.state().camera;
+        Window { link, view, camera: read.clone(), start: read.clone(), read, ..Window::default() }
     }
 
     /// Draws the window, and takes what the user does.
@@ -214,26 +201,26 @@ impl Window {
 
     /// Takes what the thread has found.
     fn take(&mut self, state: &ViewState) {
-        if state.camera.1 != self.scene.1 {
-            self.scene = state.camera.clone();
-            if !self.is_moved {
-                self.camera = self.scene.0.clone();
+        let is_moved = self.camera != self.start;
+        if state.camera != self.read {
+            (self.read, self.start) = (state.camera.clone(), state.camera.clone());
+            if !is_moved {
+                self.camera = self.start.clone();
             }
         }
         let Some(surface) = &state.surface else { return };
         let found = Some(surface.pixel);
-        if self.target.take_if(|pixel| Some(*pixel) == found).is_some() && !self.is_moved && surface.names.is_some() {
-            [&mut self.camera, &mut self.scene.0].into_iter().for_each(|camera| turn_around(camera, surface.depth));
+        if self.target.take_if(|pixel| Some(*pixel) == found).is_some() && !is_moved && surface.names.is_some() {
+            [&mut self.camera, &mut self.start].into_iter().for_each(|camera| turn_around(camera, surface.depth));
         }
         if self.focus.take_if(|pixel| Some(*pixel) == found).is_some() && surface.names.is_some() {
-            focus_at(&mut self.camera, surface.depth);
+            self.camera.focus_distance = Some(surface.depth);
             self.moved();
         }
     }
 
     /// Orders an image from where the camera is now.
     fn moved(&mut self) {
-        self.is_moved = true;
         let text = self.camera.text();
         self.link.order(|orders| {
             (orders.camera, orders.moved) = (Some(text), Some(Instant::now()));
@@ -242,13 +229,12 @@ impl Window {
     }
 
     fn reset(&mut self) {
-        (self.camera, self.is_moved) = (self.scene.0.clone(), false);
+        self.camera = self.start.clone();
         self.link.order(|orders| (orders.camera, orders.revision) = (None, orders.revision + 1));
     }
 
     fn pause(&mut self) {
-        self.is_paused = !self.is_paused;
-        self.link.order(|orders| orders.paused = self.is_paused);
+        self.link.order(|orders| orders.paused = !orders.paused);
     }
 
     fn order_save(&self) {
@@ -305,7 +291,7 @@ impl Window {
         let mut camera = self.camera.clone();
         if let Some(mut degrees) = field_of_view(&camera) {
             if number(ui, "Field of view, degrees", &mut degrees, 0.01..=179.0) {
-                set_field_of_view(&mut camera, degrees);
+                (camera.vertical_fov, camera.projection) = (Some(degrees), None);
             }
             let mut f = f_number(&camera).min(PINHOLE);
             if number(ui, "f-number", &mut f, 1e-9..=PINHOLE) {
@@ -314,7 +300,7 @@ impl Window {
         }
         let mut distance = camera.focus_distance.unwrap_or((camera.look_at - camera.look_from).length());
         if number(ui, "Focus distance", &mut distance, 1e-30..=1e30) {
-            focus_at(&mut camera, distance);
+            camera.focus_distance = Some(distance);
         }
         if camera != self.camera {
             self.camera = camera;
@@ -344,16 +330,15 @@ impl Window {
         layers.extend(AOVS.map(|aov| (PictureLayer::Of { aov, number: 0 }, word(&aov))));
         let lights = state.shown.iter().flat_map(|shown| shown.lights.iter().cloned()).enumerate();
         layers.extend(lights.map(|(number, name)| (PictureLayer::Of { aov: Aov::Lights, number }, name)));
-        if choice(ui, "Layer", &mut self.layer, layers) {
-            self.link.order(|orders| orders.layer = self.layer);
+        let mut layer = self.link.orders().layer;
+        if choice(ui, "Layer", &mut layer, layers) {
+            self.link.order(|orders| orders.layer = layer);
         }
         ui.horizontal(|ui| {
-            if ui.button(if self.is_paused { "Go on" } else { "Pause" }).on_hover_text("Space").clicked() {
+            if ui.button(if self.link.orders().paused { "Go on" } else { "Pause" }).on_hover_text("Space").clicked() {
                 self.pause();
             }
-            let has_samples = state.shown.as_ref().is_some_and(|shown| !shown.is_small);
-            let saves = ui.add_enabled(has_samples, Button::new("Save EXR and PNG"));
-            if saves.on_hover_text("S. With the samples so far").clicked() {
+            if ui.button("Save EXR and PNG").on_hover_text("S. With the samples so far").clicked() {
                 self.order_save();
             }
         });
@@ -366,16 +351,13 @@ impl Window {
         if let (Some(pixel), Some(shown)) = (pixel, &state.shown) {
             ui.label(words_of_pixel(shown, pixel, state.size));
         }
-        ui.label(state.surface.as_ref().map_or_else(
-            || "A click finds the object and its distance".to_owned(),
-            |surface| match &surface.names {
-                None => format!("{}, {}: no surface", surface.pixel.0, surface.pixel.1),
-                Some((object, material)) => {
-                    let ((x, y), distance) = (surface.pixel, surface.distance);
-                    format!("{x}, {y}: {object}\nmaterial {material}\ndistance {distance:.6}")
-                }
-            },
-        ));
+        ui.label(match &state.surface {
+            None => "A click finds the object and its distance".to_owned(),
+            Some(PixelSurface { pixel: (x, y), names: None, .. }) => format!("{x}, {y}: no surface"),
+            Some(PixelSurface { pixel: (x, y), names: Some((object, material)), distance, .. }) => {
+                format!("{x}, {y}: {object}\nmaterial {material}\ndistance {distance:.6}")
+            }
+        });
         ui.separator();
         ui.label(RichText::new("Drag to turn. Shift or the right button shifts, the wheel goes nearer").weak());
     }
@@ -494,12 +476,13 @@ fn words_of_pixel(shown: &Shown, (x, y): (u32, u32), size: (u32, u32)) -> String
     let index = shown.index((x, y), size);
     let Some(rgb) = shown.picture.rgb.get(index) else { return String::new() };
     let numbers = |values: &[f32; 3]| values.map(|value| format!("{value:.5}")).join(" ");
-    let words = match shown.error_at(index) {
-        error if error.is_finite() => {
-            let variance = shown.picture.variance[index].map(|value| format!("{value:.2e}")).join(" ");
-            format!("variance {variance}\nrelative error {}", percent(error))
+    let variance = shown.picture.variance[index];
+    let words = match variance.contains(&UNKNOWN_VARIANCE) {
+        true => "variance unknown".to_owned(),
+        false => {
+            let variance = variance.map(|value| format!("{value:.2e}")).join(" ");
+            format!("variance {variance}\nrelative error {}", percent(shown.error_at(index)))
         }
-        _ => "variance unknown".to_owned(),
     };
     let values = shown.values.get(index).map_or_else(String::new, |values| format!("\nlayer {}", numbers(values)));
     format!("{x}, {y}\nradiance {}\n{words}{values}", numbers(rgb))

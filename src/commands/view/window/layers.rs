@@ -1,8 +1,8 @@
 //! The layers that the window shows, and their colours.
 
 use crate::aov::Aov;
-use crate::data::{Rgb, luminance, srgb};
-use crate::film::{Film, Picture, UNKNOWN_VARIANCE};
+use crate::data::{Rgb, luminance};
+use crate::film::{Film, Picture};
 use crate::output::magma::magma;
 use crate::output::view_transform::ViewTransform;
 
@@ -20,11 +20,6 @@ pub enum PictureLayer {
 /// The channels that the window offers.
 pub const AOVS: [Aov; 8] =
     [Aov::Albedo, Aov::Normal, Aov::Depth, Aov::Position, Aov::Object, Aov::Material, Aov::Direct, Aov::Indirect];
-
-/// The relative error that the map shows as white.
-const WHITE_ERROR: f64 = 1.0;
-/// The error that it shows as black.
-const BLACK_ERROR: f64 = 1e-3;
 
 /// A film as the window shows it.
 #[derive(Clone, Debug, Default)]
@@ -81,13 +76,11 @@ impl Shown {
         along(y, size.1, self.size.1) * self.size.0 as usize + along(x, size.0, self.size.0)
     }
 
-    /// The standard error of a pixel relative to its radiance; infinite where it is not known.
+    /// The standard error of a pixel relative to its radiance; huge where it is not known.
     pub fn error_at(&self, index: usize) -> f64 {
         let (rgb, variance) = (self.picture.rgb[index], self.picture.variance[index]);
-        let of_channel = |c: usize| match variance[c] {
-            UNKNOWN_VARIANCE => f64::INFINITY,
-            variance => f64::from(variance) / (f64::from(rgb[c]).powi(2) + self.floor).max(f64::MIN_POSITIVE),
-        };
+        let of_channel =
+            |c: usize| f64::from(variance[c]) / (f64::from(rgb[c]).powi(2) + self.floor).max(f64::MIN_POSITIVE);
         ([0, 1, 2].map(of_channel).iter().sum::<f64>() / 3.0).sqrt()
     }
 
@@ -99,10 +92,15 @@ impl Shown {
         };
         match self.layer {
             PictureLayer::Radiance => developed(&self.picture.rgb),
-            PictureLayer::Error => (0..self.picture.rgb.len()).map(|index| of_error(self.error_at(index))).collect(),
+            // By the logarithm: black for 0.1 %, and white for 100 %.
+            PictureLayer::Error => {
+                (0..self.picture.rgb.len()).map(|index| magma(1.0 + self.error_at(index).log10() / 3.0)).collect()
+            }
             // They are not there before the film has the channel.
             PictureLayer::Of { .. } if self.values.is_empty() => developed(&self.picture.rgb),
-            PictureLayer::Of { aov: Aov::Direct | Aov::Indirect | Aov::Lights, .. } => developed(&self.values),
+            PictureLayer::Of { aov: Aov::Albedo | Aov::Direct | Aov::Indirect | Aov::Lights, .. } => {
+                developed(&self.values)
+            }
             PictureLayer::Of { aov, .. } => colours_of(aov, &self.values),
         }
     }
@@ -118,31 +116,18 @@ fn values(film: &Film, aov: Aov, number: usize) -> Vec<Rgb<f32>> {
     (0..pixels).map(|index| [0, 1, 2].map(|component| value(index, component))).collect()
 }
 
-/// From black for 0.1 % to white for 100 %, by the logarithm.
-fn of_error(error: f64) -> [u8; 3] {
-    magma((error / BLACK_ERROR).log10() / (WHITE_ERROR / BLACK_ERROR).log10())
-}
-
+/// Colours of channels that are no light, from their least value to the largest.
 fn colours_of(aov: Aov, values: &[Rgb<f32>]) -> Vec<[u8; 3]> {
-    let code = |share: f64| (255.0 * share.clamp(0.0, 1.0)).round() as u8;
-    let is_known = |value: &f32| value.is_finite() && value.abs() < f32::MAX;
-    let range = |component: usize| {
-        let known = values.iter().map(|value| value[component]).filter(is_known);
-        known.fold((f32::INFINITY, f32::NEG_INFINITY), |(least, most), value| (least.min(value), most.max(value)))
-    };
-    let ranges = [0, 1, 2].map(range);
-    let share = |value: Rgb<f32>, c: usize| {
-        let (least, most) = ranges[c];
-        (f64::from(value[c]) - f64::from(least)) / (f64::from(most) - f64::from(least)).max(f64::MIN_POSITIVE)
-    };
+    let known = values.iter().flatten().filter(|value| value.abs() < f32::MAX);
+    let start = (f32::INFINITY, f32::NEG_INFINITY);
+    let (least, most) = known.fold(start, |(least, most), value| (least.min(*value), most.max(*value)));
+    // `as` makes 0 of a range without a length.
+    let code = |value: f32| (255.0 * ((value - least) / (most - least)).clamp(0.0, 1.0)) as u8;
     let colour = |value: &Rgb<f32>| match aov {
-        Aov::Albedo => value.map(|value| code(srgb(f64::from(value)))),
-        Aov::Normal | Aov::Normal0 => value.map(|value| code(0.5 + 0.5 * f64::from(value))),
-        Aov::Object | Aov::Material | Aov::Face0 => of_number(value[0] as u32),
+        Aov::Object | Aov::Material => of_number(value[0] as u32),
         // Near is bright, and what is beyond everything is black.
-        Aov::Depth | Aov::Depth0 | Aov::Distance0 if !is_known(&value[0]) => [0; 3],
-        Aov::Depth | Aov::Depth0 | Aov::Distance0 => magma(1.0 - share(*value, 0)),
-        _ => [0, 1, 2].map(|c| code(share(*value, c))),
+        Aov::Depth => value.map(|depth| 255 - code(depth)),
+        _ => value.map(code),
     };
     values.iter().map(colour).collect()
 }

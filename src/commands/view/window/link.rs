@@ -30,8 +30,8 @@ pub struct Orders {
 #[derive(Clone, Debug, Default)]
 pub struct ViewState {
     pub shown: Option<Arc<Shown>>,
-    /// The camera of the scene file, and how often that has been read.
-    pub camera: (Camera, u64),
+    /// The camera of the scene file.
+    pub camera: Camera,
     /// The size of the image, and its last sample.
     pub size: (u32, u32),
     pub samples: u64,

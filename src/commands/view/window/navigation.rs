@@ -74,11 +74,6 @@ pub fn field_of_view(camera: &Camera) -> Option<f64> {
     }
 }
 
-/// Sets that angle. The lens keeps its diameter.
-pub fn set_field_of_view(camera: &mut Camera, degrees: f64) {
-    (camera.vertical_fov, camera.projection) = (Some(degrees), None);
-}
-
 /// The focal length over the diameter of the lens; infinite for a pinhole.
 pub fn f_number(camera: &Camera) -> f64 {
     focal_length(camera) / camera.aperture
@@ -92,11 +87,6 @@ pub fn set_f_number(camera: &mut Camera, number: f64) {
 fn focal_length(camera: &Camera) -> f64 {
     let half = field_of_view(camera).unwrap_or(40.0).to_radians() / 2.0;
     FILM_HEIGHT / 2.0 / half.tan()
-}
-
-/// Makes what is at this distance along the camera's axis sharp.
-pub fn focus_at(camera: &mut Camera, distance: f64) {
-    camera.focus_distance = Some(distance);
 }
 
 fn height_at_target(camera: &Camera) -> f64 {
@@ -202,7 +192,6 @@ mod tests {
         assert!((lens.aperture - 0.016_484_9).abs() < 1e-6 && (f_number(&lens) - 2.0).abs() < 1e-12, "{lens:?}");
         set_f_number(&mut lens, f64::INFINITY);
         assert_eq!(lens.aperture, 0.0);
-        set_field_of_view(&mut lens, 90.0);
-        assert_eq!(field_of_view(&lens), Some(90.0));
+        assert_eq!(field_of_view(&lens), Some(40.0));
     }
 }

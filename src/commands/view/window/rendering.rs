@@ -11,7 +11,7 @@ use crate::aov::{Aov, Aovs};
 use crate::cli::ViewArgs;
 use crate::commands::changes::Changes;
 use crate::commands::render::args::{GoalArgs, MessageArgs};
-use crate::commands::render::{Finish, RenderArgs, Seconds, Series, error_words, per_sample, save};
+use crate::commands::render::{Finish, RenderArgs, Series, error_words, save};
 use crate::commands::scene::{size_of, stem_of, tell_biases};
 use crate::commands::signals::WAIT;
 use crate::commands::tell;
@@ -46,20 +46,16 @@ pub struct Rendering {
     link: Arc<Link>,
     args: RenderArgs,
     series: Series,
-    /// The scene as it was read last, and with the camera of the window.
+    /// The scene as it was read last.
     read: Scene,
-    scene: Scene,
-    reads: u64,
     /// The view that the session is ready for: its revision, the part of the image, and its channels.
     viewed: Option<(u64, Frame, Aovs)>,
     /// The film of the image, and its revision.
     film: Option<(u64, Accumulation)>,
-    /// The revision and the layer that the window shows.
-    shown: Option<(u64, PictureLayer)>,
     failed: Option<u64>,
-    /// Samples per second of small pictures.
+    /// Samples per second of small pictures and of the image; 0 before the first.
+    small_pace: f64,
     pace: f64,
-    seconds: Seconds,
 }
 
 impl Rendering {
@@ -68,18 +64,16 @@ impl Rendering {
     /// # Errors
     /// As of a render.
     pub fn open(args: &WindowArgs, link: Arc<Link>) -> Result<Rendering> {
-        let (args, begin) = (args.clone().into_render(), Instant::now());
+        let args = args.clone().into_render();
         let mut series = new_series(&args);
         let read = series.load(&args)?;
-        let seconds = Seconds { load: begin.elapsed().as_secs_f64(), ..Seconds::default() };
         series.tell_warnings(&read.warnings(), false);
         tell_biases(&args.options, args.paths.max_depth, &read, false);
         series.session.view(&read, &small(size_of(&read, args.goal.size)), &args.options)?;
         series.tell_warnings(&Arc::clone(&series.session.scene).warnings, false);
         series.tell_devices(false);
-        let (scene, pace, reads) = (read.clone(), 0.0, 0);
-        let (viewed, film, shown, failed) = (None, None, None, None);
-        let mut own = Rendering { link, args, series, read, scene, reads, viewed, film, shown, failed, pace, seconds };
+        let (viewed, film, failed) = (None, None, None);
+        let own = Rendering { link, args, series, read, viewed, film, failed, small_pace: 0.0, pace: 0.0 };
         own.tell_scene();
         Ok(own)
     }
@@ -117,16 +111,17 @@ impl Rendering {
         let revision = orders.revision;
         let film = self.film.as_ref().filter(|(of, _)| *of == revision).map(|(_, film)| film);
         let samples = film.map_or(0, |film| film.samples.count());
+        let shown = self.link.state().shown.filter(|shown| shown.revision == revision);
         let is_at_rest = orders.moved.is_none_or(|moved| moved.elapsed() > REST);
         if self.failed == Some(revision) {
             thread::park_timeout(WAIT);
-        } else if self.shown.is_none_or(|(of, _)| of != revision) {
+        } else if shown.is_none() {
             self.show_small(orders)?;
         } else if let Some(pixel) = orders.pixel {
             self.find(orders, pixel)?;
         } else if let Some(view) = orders.save.filter(|_| samples > 0) {
             self.save(orders, view)?;
-        } else if self.shown != Some((revision, orders.layer)) && samples > 0 {
+        } else if samples > 0 && shown.is_some_and(|shown| shown.layer != orders.layer) {
             self.show_image(orders);
         } else if is_at_rest && (samples == 0 || !orders.paused) && samples < u64::from(self.samples()) {
             self.render_more(orders)?;
@@ -159,12 +154,16 @@ impl Rendering {
         }
         self.viewed = None;
         let options = RenderOptions { aov: aov.clone(), ..self.args.options.clone() };
-        self.scene = self.read.changed(&Change { camera: orders.camera.as_deref(), ..Change::default() })?;
-        self.series.session.view(&self.scene, &frame, &options)?;
+        self.series.session.view(&self.scene(orders)?, &frame, &options)?;
         let (link, size) = (Arc::clone(&self.link), frame.part.size());
         self.series.session.prepare(&self.job(size, MANY), &mut Following::new(&link, orders, &options, size))?;
         self.viewed = Some(view);
         Ok(())
+    }
+
+    /// The scene with the camera of the window.
+    fn scene(&self, orders: &Orders) -> Result<Scene> {
+        self.read.changed(&Change { camera: orders.camera.as_deref(), ..Change::default() })
     }
 
     /// The view of the image.
@@ -179,10 +178,10 @@ impl Rendering {
         let size = frame.part.size();
         let mut film = self.series.session.film(size)?;
         let begin = Instant::now();
-        let count = ((self.pace * SMALL_TIME) as u32).clamp(1, RUN_LENGTH);
+        let count = ((self.small_pace * SMALL_TIME) as u32).clamp(1, RUN_LENGTH);
         let mut following = Following::new(&link, orders, &self.args.options, size);
         self.series.session.render(&self.job(size, count), &mut film, &mut following)?;
-        self.pace = f64::from(count) / begin.elapsed().as_secs_f64();
+        self.small_pace = f64::from(count) / begin.elapsed().as_secs_f64();
         let mut shown = Shown::new(&film.film, orders.layer, None);
         shown.is_small = true;
         self.show(orders, shown);
@@ -193,46 +192,34 @@ impl Rendering {
     fn render_more(&mut self, orders: &Orders) -> Result<()> {
         self.view_image(orders)?;
         let (size, link) = (self.full(), Arc::clone(&self.link));
-        let mut film = match self.film.take().filter(|(of, _)| *of == orders.revision) {
-            Some((_, film)) => film,
-            None => {
-                self.seconds = Seconds { load: self.seconds.load, ..Seconds::default() };
-                self.series.session.film(size)?
-            }
-        };
+        let kept = self.film.take().filter(|(of, _)| *of == orders.revision);
+        let mut film = kept.map_or_else(|| self.series.session.film(size), |(_, film)| Ok(film))?;
         // A range of whole runs, so that the image is that of one render.
-        let runs = (PAUSE.as_secs_f64() * self.samples_per_second()) as u32 / RUN_LENGTH;
+        let runs = (PAUSE.as_secs_f64() * self.pace) as u32 / RUN_LENGTH;
         let held = film.samples.range().end;
         let end = (held / RUN_LENGTH).saturating_add(runs.max(1)).saturating_mul(RUN_LENGTH).min(self.samples());
         let mut following = Following::new(&link, orders, &self.args.options, size);
         following.is_of_image = true;
         self.series.session.render(&self.job(size, end), &mut film, &mut following)?;
-        let new = film.samples.count().saturating_sub(u64::from(held));
-        self.seconds.render += self.series.session.outcome.seconds;
-        self.seconds.per_sample = per_sample(self.series.session.outcome.seconds, new);
+        let new = film.samples.count().saturating_sub(held.into());
+        self.pace = new as f64 / self.series.session.outcome.seconds.max(1e-9);
         self.film = Some((orders.revision, film));
         self.show_image(orders);
         Ok(())
     }
 
-    /// Samples of the image per second; 0 before the first.
-    fn samples_per_second(&self) -> f64 {
-        if self.seconds.per_sample > 0.0 { 1.0 / self.seconds.per_sample } else { 0.0 }
-    }
-
-    fn show_image(&mut self, orders: &Orders) {
+    fn show_image(&self, orders: &Orders) {
         let Some((_, film)) = &self.film else { return };
         let finish = Finish::new(film, None, false);
         let mut shown = Shown::new(&film.film, orders.layer, None);
-        (shown.samples, shown.pace) = (film.samples.count(), self.samples_per_second());
+        (shown.samples, shown.pace) = (film.samples.count(), self.pace);
         (shown.error, shown.reasons) = (error_words(&finish), finish.verdict.reasons_unreliable());
         self.show(orders, shown);
     }
 
     /// Hands a picture to the window.
-    fn show(&mut self, orders: &Orders, mut shown: Shown) {
+    fn show(&self, orders: &Orders, mut shown: Shown) {
         shown.revision = orders.revision;
-        self.shown = Some((orders.revision, orders.layer));
         self.link.tell(|state| (state.shown, state.errors) = (Some(Arc::new(shown)), Vec::new()));
     }
 
@@ -247,7 +234,7 @@ impl Rendering {
         (args.files.output, args.files.png) = (Some(exr), Some(png));
         args.goal.spp = u32::try_from(film.samples.count()).ok();
         args.view = ViewArgs { exposure: view.exposure, tonemap: view.tonemap };
-        let saved = save(&args, &self.scene, &self.series.session, film, &self.seconds);
+        let saved = save(&args, &self.scene(orders)?, &self.series.session, film);
         let message = saved.map_or_else(|error| format!("error: {error}"), |()| message);
         tell(&message);
         self.link.tell(|state| state.message = message);
@@ -277,14 +264,10 @@ impl Rendering {
     }
 
     /// Tells the window of a scene that has been read.
-    fn tell_scene(&mut self) {
-        self.reads += 1;
-        let camera = self.read.camera.at(self.read.camera.shutter.0);
-        let (size, samples, reads) = (self.full(), u64::from(self.samples()), self.reads);
-        self.link.tell(|state| {
-            state.camera = (Camera { moving: Vec::new(), ..camera }, reads);
-            (state.size, state.samples) = (size, samples);
-        });
+    fn tell_scene(&self) {
+        let camera = Camera { moving: Vec::new(), ..self.read.camera.at(self.read.camera.shutter.0) };
+        let (size, samples) = (self.full(), u64::from(self.samples()));
+        self.link.tell(|state| (state.camera, state.size, state.samples) = (camera, size, samples));
     }
 
     fn follow_files(&mut self) {
