@@ -71,8 +71,8 @@ pub struct Window {
     target: Option<(u32, u32)>,
     /// The pixel under the mouse.
     hovered: Option<(u32, u32)>,
-    /// The texture of a picture, with the address of that, the exposure and the curve.
-    texture: Option<(TextureHandle, (usize, f64, Tonemap))>,
+    /// The texture of a picture, with that, the exposure and the curve.
+    texture: Option<(TextureHandle, Arc<Shown>, (f64, Tonemap))>,
 }
 
 /// Opens the window, until it is closed or a signal comes.
@@ -405,8 +405,11 @@ impl Window {
 
     /// The texture of what is shown, as large as textures can be.
     fn texture_of(&mut self, ui: &Ui, shown: &Arc<Shown>) -> eframe::egui::TextureId {
-        let key = (Arc::as_ptr(shown) as usize, self.view.exposure, self.view.tonemap);
-        if let Some((texture, _)) = self.texture.as_ref().filter(|(_, of)| *of == key) {
+        let view = (self.view.exposure, self.view.tonemap);
+        if let Some((texture, of, by)) = &self.texture
+            && Arc::ptr_eq(of, shown)
+            && *by == view
+        {
             return texture.id();
         }
         let (width, height) = (shown.size.0 as usize, shown.size.1 as usize);
@@ -418,7 +421,7 @@ impl Window {
         let magnification = if shown.is_small { TextureFilter::Linear } else { TextureFilter::Nearest };
         let options = TextureOptions { magnification, ..TextureOptions::LINEAR };
         let image = ColorImage::new([width.div_ceil(step), height.div_ceil(step)], pixels);
-        self.texture.insert((ui.ctx().load_texture("image", image, options), key)).0.id()
+        self.texture.insert((ui.ctx().load_texture("image", image, options), Arc::clone(shown), view)).0.id()
     }
 }
 
