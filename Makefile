@@ -5,7 +5,7 @@ CARGO ?= cargo
 # What is tested is what releases have: the program with the window of `gpu-rt view`.
 BUILD = --release --features window
 GPU_RT = $(CARGO) run $(BUILD) --quiet --
-PROGRAM = $(CARGO) run --release --quiet --
+WITHOUT_WINDOW = $(CARGO) run --release --quiet --
 
 # `$(call install,PACKAGES,WHY)`: apt-get, as root or through sudo.
 define install
@@ -23,9 +23,9 @@ endef
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
 	$(CARGO) build --release
-	@$(PROGRAM) devices >/dev/null 2>&1 || $(call install, libvulkan1 mesa-vulkan-drivers, no Vulkan driver answers)
+	@$(WITHOUT_WINDOW) devices >/dev/null 2>&1 || $(call install, libvulkan1 mesa-vulkan-drivers, no Vulkan driver answers)
 	@mkdir -p out
-	$(PROGRAM) render scenes/weekend.ron --size 800x450 --time 50s --spp 4096 -o out/weekend.exr --png out/weekend.png --force
+	$(WITHOUT_WINDOW) render scenes/weekend.ron --size 800x450 --time 50s --spp 4096 -o out/weekend.exr --png out/weekend.png --force
 
 # The tests run on a software driver, which they choose by themselves; GPU_RT_TEST_DEVICE names another device.
 # LVP_POISON_MEMORY makes Mesa's software driver fill fresh memory with junk, so that reading what nobody wrote shows.

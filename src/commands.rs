@@ -31,7 +31,7 @@ pub mod view;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
-pub use console::{print_help, tell};
+pub use console::{print_help, tell, tell_error};
 pub use signals::catch_limits;
 
 use crate::cli::GLTF;

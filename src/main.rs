@@ -22,7 +22,7 @@ fn main() -> ExitCode {
     let status = match result {
         Ok(()) => 0,
         Err(error) => {
-            error.messages().iter().for_each(|message| commands::tell(&format!("error: {message}")));
+            commands::tell_error(&error);
             error.exit_status()
         }
     };

@@ -10,7 +10,8 @@ use std::time::{Duration, Instant};
 use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
 
 use crate::commands::signals::WAIT;
-use crate::output::destination::folder_of;
+use crate::error::{Error, Result};
+use crate::output::destination::{folder_of, is_standard};
 use crate::scene::{Stamp, stamp};
 
 /// A save is over when the files have not changed for this long.
@@ -19,6 +20,17 @@ const CALM: Duration = Duration::from_millis(20);
 const MISSING: Duration = Duration::from_secs(1);
 /// The files are checked this often even if no change is reported: shared folders report none.
 const PAUSE: Duration = Duration::from_secs(1);
+
+/// Refuses to watch a scene that cannot change.
+///
+/// # Errors
+/// `Error::Usage` for standard input.
+pub fn check_watched(scene: &Path) -> Result<()> {
+    match is_standard(scene) {
+        true => Err(Error::Usage("--watch: standard input does not change: give the name of a scene file".to_owned())),
+        false => Ok(()),
+    }
+}
 
 /// Detects changes of files by their stamps. Reports of the system only say when to check them: they do not show what a save is, because
 /// editors save in many ways, and some replace the old file by a new one.

@@ -13,6 +13,11 @@ use crate::printable::printable;
 pub use crate::terminal::tell;
 use crate::terminal::{columns_of_stdout, fit_to_terminal};
 
+/// Prints an error, each of its messages on a line of its own.
+pub fn tell_error(error: &Error) {
+    error.messages().iter().for_each(|message| tell(&format!("error: {message}")));
+}
+
 /// The command line as it was typed, as the shell reads it. The folder of the program is left out.
 pub fn command_line() -> String {
     line(&words_of_command())

@@ -33,12 +33,12 @@ pub use record::{Finish, attributes_of};
 pub use request::excluded;
 use request::{Request, denoising_of};
 use resume::starting_film;
-#[cfg(feature = "window")]
-pub use save::save;
 pub use series::{Reported, Series};
 pub use summary::{error_words, matte_warning, noise_words, reliability_warnings};
 use summary::{rejected_words, summarise};
 use viewers::Viewers;
+#[cfg(feature = "window")]
+pub use {request::frame_and_job, save::save};
 
 /// Renders the scene once, or whenever it changes, or for each frame of it.
 pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {

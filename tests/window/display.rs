@@ -1,7 +1,6 @@
 //! A real window, on a display that nobody sees: Xvfb, with the mouse and the keys of xdotool.
 
 use std::io::{BufRead, BufReader};
-use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::thread::{sleep, spawn};
@@ -189,7 +188,7 @@ fn without_a_display_the_arguments_are_to_blame() {
         }
         let words = ["error: there is no display", "`gpu-rt render --preview`"];
         let ran = crate::common::program::ran(&mut program).exits(2).on_stderr(&words);
-        assert!(!ran.stderr.contains(Path::new(env!("HOME")).to_str().unwrap_or("/")), "{}", ran.stderr);
+        assert!(!ran.stderr.contains(".rs:"), "a message names no source: {}", ran.stderr);
     }
 }
 

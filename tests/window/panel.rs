@@ -55,8 +55,14 @@ struct Viewer {
 impl Viewer {
     /// Opens the scene with more options.
     fn open(options: &str) -> Viewer {
+        Viewer::with(SCENE, |_| (), options)
+    }
+
+    /// Opens a scene beside more files.
+    fn with(scene: &str, write: impl FnOnce(&Path), options: &str) -> Viewer {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        fs::write(folder.path().join("scene.ron"), SCENE).expect("the scene is written");
+        fs::write(folder.path().join("scene.ron"), scene).expect("the scene is written");
+        write(folder.path());
         let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
         let line = format!("view {} -o {} --device {} {options}", at("scene.ron"), at("a.exr"), index());
         let args = Line::try_parse_from(words(&line)).expect("it is a command line").args;
@@ -138,10 +144,10 @@ impl Viewer {
         self.harness.drag_at(from);
         self.harness.step();
         for step in 1..=4 {
-            self.harness.hover_at(from + share(x, y, step));
+            self.harness.hover_at(from + way(x, y, step));
             self.harness.step();
         }
-        self.harness.drop_at(from + share(x, y, 4));
+        self.harness.drop_at(from + way(x, y, 4));
         self.harness.step();
     }
 
@@ -161,7 +167,8 @@ impl Viewer {
     }
 }
 
-fn share(x: f32, y: f32, step: u8) -> eframe::egui::Vec2 {
+/// The way of a drag after some of its four steps.
+fn way(x: f32, y: f32, step: u8) -> eframe::egui::Vec2 {
     eframe::egui::vec2(x, y) * f32::from(step) / 4.0
 }
 
@@ -221,7 +228,9 @@ fn the_image_after_a_drag_is_that_of_the_copied_camera() {
     let revision = viewer.link.orders().revision;
     assert!(revision > 0);
     viewer.until("a small picture", |state| {
-        state.shown.as_ref().is_some_and(|shown| shown.is_small && shown.revision == revision && shown.size == (24, 16))
+        state.shown.as_ref().is_some_and(|shown| {
+            shown.is_small && shown.revision == revision && (shown.picture.width, shown.picture.height) == (24, 16)
+        })
     });
     viewer.until_samples(16);
     let after = viewer.harness.state().camera.clone();
@@ -376,6 +385,28 @@ fn a_save_of_the_scene_keeps_the_camera() {
     let found = viewer.until("no error", |state| state.errors.is_empty());
     let blue = |rgb: &[[f32; 3]]| rgb[96 * 40 + 40][2] > rgb[96 * 40 + 40][0];
     assert!(blue(&found.shown.unwrap().picture.rgb) && !blue(&before));
+}
+
+/// Files that the scene names are read again, too.
+#[test]
+fn a_save_of_a_mesh_shows_it() {
+    let quad = |x: f32| format!("v {x} 0 2\nv {} 0 2\nv {} 2 2\nv {x} 2 2\nf 1 2 3 4\n", x + 2.0, x + 2.0);
+    let mut viewer = Viewer::with(
+        &SCENE.replace("objects: [", "objects: [Mesh(path: \"quad.obj\", material: \"grey\"),"),
+        |folder| {
+            fs::write(folder.join("quad.obj"), quad(-1.0)).expect("the mesh is written");
+        },
+        "--spp 8 --watch",
+    );
+    let red = |state: ViewState| {
+        let [red, _, blue] = state.shown.expect("a picture").picture.rgb[96 * 32 + 48];
+        red > 2.0 * blue
+    };
+    // The mesh hides the red ball until it is elsewhere.
+    assert!(!red(viewer.until_samples(8)));
+    fs::write(viewer.path("quad.obj"), quad(20.0)).unwrap();
+    viewer.until("the save", |state| state.shown.as_ref().is_some_and(|shown| shown.revision == 1));
+    assert!(red(viewer.until_samples(8)));
 }
 
 #[test]

@@ -5,14 +5,14 @@ use std::time::{Duration, Instant};
 use super::args::RenderArgs;
 use super::request::{frame_and_job, more_there};
 use super::series::{Render, Series};
-use crate::commands::changes::Changes;
-use crate::commands::console::tell;
+use crate::commands::changes::{Changes, check_watched};
+use crate::commands::console::{tell, tell_error};
 use crate::commands::scene::name_of;
 use crate::commands::signals::Signals;
 use crate::error::{Error, Result};
 use crate::identity::Identity;
 use crate::job::{Crop, Frame, Size};
-use crate::output::destination::{can_be_replaced, is_standard};
+use crate::output::destination::can_be_replaced;
 use crate::printable::counted;
 
 /// The time that a submission should take, since the one that is under way is waited for.
@@ -37,7 +37,7 @@ pub fn watch(args: &RenderArgs, start: Instant, render: Render) -> Result<()> {
             passed => {
                 began |= passed.is_ok();
                 if let Err(error) = passed {
-                    error.messages().iter().for_each(|message| tell(&format!("error: {message}")));
+                    tell_error(&error);
                 }
                 if !args.messages.quiet {
                     tell("waiting for the next save; Ctrl-C ends");
@@ -62,9 +62,7 @@ pub fn watch(args: &RenderArgs, start: Instant, render: Render) -> Result<()> {
 
 /// Refuses what cannot be watched.
 fn refuse(args: &RenderArgs) -> Result<()> {
-    if is_standard(&args.scene.path) {
-        return Err(Error::Usage("--watch: standard input does not change: give the name of a scene file".to_owned()));
-    }
+    check_watched(&args.scene.path)?;
     let image = args.image();
     for (option, path) in [("-o", Some(&image)), ("--png", args.files.png.as_ref())] {
         if let Some(path) = path.filter(|path| !can_be_replaced(path)) {

@@ -21,12 +21,12 @@ use eframe::{App, AppCreator, Error as WindowError, Frame, NativeOptions};
 
 use super::args::WindowArgs;
 use crate::aov::Aov;
-use crate::commands::console::tell;
+use crate::commands::changes::check_watched;
+use crate::commands::console::{tell, tell_error};
 use crate::commands::scene::name_of;
 use crate::commands::signals::{Signals, WAIT};
 use crate::error::{Error, Result};
 use crate::film::UNKNOWN_VARIANCE;
-use crate::output::destination::is_standard;
 use crate::output::view_transform::{Tonemap, ViewTransform};
 use crate::printable::percent;
 use crate::scene::Camera;
@@ -82,8 +82,8 @@ pub struct Window {
 /// `render`.
 pub fn run(args: &WindowArgs) -> Result<()> {
     let (signals, link) = (Signals::listen("nothing has been written"), Arc::<Link>::default());
-    if args.watch && is_standard(&args.scene.path) {
-        return Err(Error::Usage("--watch: standard input does not change: give the name of a scene file".to_owned()));
+    if args.watch {
+        check_watched(&args.scene.path)?;
     }
     let rendering = Rendering::open(args, Arc::clone(&link))?;
     let mut window = Window::new(Arc::clone(&link), args.view.transform());
@@ -122,8 +122,8 @@ pub fn run(args: &WindowArgs) -> Result<()> {
     };
     if !renderer.is_finished() {
         // Destructors of a driver that is at work may crash.
-        let status = result.map_or_else(|error| (tell(&format!("error: {error}")), error.exit_status()).1, |()| 0);
-        signal_hook::low_level::exit(status.into());
+        result.as_ref().err().iter().for_each(|error| tell_error(error));
+        signal_hook::low_level::exit(result.map_or_else(|error| error.exit_status(), |()| 0).into());
     }
     result
 }
@@ -412,7 +412,7 @@ impl Window {
         {
             return texture.id();
         }
-        let (width, height) = (shown.size.0 as usize, shown.size.1 as usize);
+        let (width, height) = (shown.picture.width as usize, shown.picture.height as usize);
         let step = width.max(height).div_ceil(ui.input(|input| input.max_texture_side).max(1)).max(1);
         let colours = shown.colours(&self.view);
         let pixels = (0..height).step_by(step).flat_map(|y| (0..width).step_by(step).map(move |x| y * width + x));

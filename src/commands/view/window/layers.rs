@@ -1,8 +1,9 @@
 //! The layers that the window shows, and their colours.
 
 use crate::aov::Aov;
-use crate::data::{Rgb, luminance};
+use crate::data::Rgb;
 use crate::film::{Film, Picture};
+use crate::metrics::error::floor_of;
 use crate::output::magma::magma;
 use crate::output::view_transform::ViewTransform;
 
@@ -24,7 +25,6 @@ pub const AOVS: [Aov; 8] =
 /// A film as the window shows it.
 #[derive(Clone, Debug, Default)]
 pub struct Shown {
-    pub size: (u32, u32),
     /// Radiance and its variance.
     pub picture: Picture,
     /// The layer that `values` is of. The picture has those of the radiance and its error.
@@ -36,7 +36,7 @@ pub struct Shown {
     pub revision: u64,
     /// Whether it is a small one, for the time until the next.
     pub is_small: bool,
-    /// The least squared radiance that an error is relative to, as in [`Film::relative_error`].
+    /// The least squared radiance that an error is relative to.
     floor: f64,
     pub samples: u64,
     /// Samples of all pixels per second.
@@ -50,11 +50,10 @@ impl Shown {
     /// A layer of a film. Pixels without samples have those of the picture `before`.
     pub fn new(film: &Film, layer: PictureLayer, before: Option<&Shown>) -> Shown {
         let mut picture = film.develop();
-        let size = (picture.width, picture.height);
         if let Some(before) = before {
             for index in (0..picture.samples.len()).filter(|index| picture.samples[*index] == 0).collect::<Vec<_>>() {
-                let (x, y) = (index as u32 % size.0, index as u32 / size.0);
-                let there = before.index((x, y), size);
+                let (width, height) = (picture.width, picture.height);
+                let there = before.index((index as u32 % width, index as u32 / width), (width, height));
                 (picture.rgb[index], picture.variance[index]) =
                     (before.picture.rgb[there], before.picture.variance[there]);
             }
@@ -65,15 +64,15 @@ impl Shown {
             PictureLayer::Of { aov, number } => values(film, aov, number),
             _ => Vec::new(),
         };
-        let luminances = picture.rgb.iter().map(|rgb| luminance(rgb.map(f64::from)));
-        let mean = luminances.sum::<f64>() / picture.rgb.len() as f64;
-        Shown { size, picture, layer, values, lights, floor: 0.01 * mean * mean, ..Shown::default() }
+        let floor = floor_of(&picture.rgb);
+        Shown { picture, layer, values, lights, floor, ..Shown::default() }
     }
 
     /// The index of the pixel that is at the position of another one, in an image of another size.
     pub fn index(&self, (x, y): (u32, u32), size: (u32, u32)) -> usize {
         let along = |at: u32, all: u32, own: u32| (u64::from(at) * u64::from(own) / u64::from(all)) as usize;
-        along(y, size.1, self.size.1) * self.size.0 as usize + along(x, size.0, self.size.0)
+        let Picture { width, height, .. } = self.picture;
+        along(y, size.1, height) * width as usize + along(x, size.0, width)
     }
 
     /// The standard error of a pixel relative to its radiance; huge where it is not known.
@@ -86,7 +85,7 @@ impl Shown {
 
     /// The colours of all pixels for a screen.
     pub fn colours(&self, view: &ViewTransform) -> Vec<[u8; 3]> {
-        let width = self.size.0 as usize;
+        let width = self.picture.width as usize;
         let developed = |rgb: &[Rgb<f32>]| {
             rgb.iter().enumerate().map(|(index, rgb)| view.bytes(*rgb, (index % width, index / width))).collect()
         };

@@ -11,11 +11,11 @@ use crate::aov::{Aov, Aovs};
 use crate::cli::ViewArgs;
 use crate::commands::changes::Changes;
 use crate::commands::render::args::{GoalArgs, MessageArgs};
-use crate::commands::render::{Finish, RenderArgs, Series, error_words, save};
-use crate::commands::scene::{size_of, stem_of, tell_biases};
+use crate::commands::render::{Finish, RenderArgs, Series, error_words, frame_and_job, save};
+use crate::commands::scene::{stem_of, tell_biases};
 use crate::commands::signals::WAIT;
-use crate::commands::tell;
 use crate::commands::view::args::WindowArgs;
+use crate::commands::{tell, tell_error};
 use crate::data::RUN_LENGTH;
 use crate::error::{Error, Result};
 use crate::film::Accumulation;
@@ -25,7 +25,7 @@ use crate::job::{Crop, Frame, Goal, Job, Size};
 use crate::options::RenderOptions;
 use crate::output::view_transform::ViewTransform;
 use crate::render::{Next, Observer, Outcome, Snapshot, empty_film};
-use crate::scene::{Assets, Camera, Change, Scene, is_gltf};
+use crate::scene::{Camera, Change, Scene, is_gltf};
 
 /// The share of the image's width and height that the picture has while the camera moves, and its most pixels.
 const SMALL: f64 = 0.25;
@@ -48,6 +48,8 @@ pub struct Rendering {
     series: Series,
     /// The scene as it was read last.
     read: Scene,
+    /// The job of the image.
+    job: Job,
     /// The view that the session is ready for: its revision, the part of the image, and its channels.
     viewed: Option<(u64, Frame, Aovs)>,
     /// The film of the image, and its revision.
@@ -69,11 +71,13 @@ impl Rendering {
         let read = series.load(&args)?;
         series.tell_warnings(&read.warnings(), false);
         tell_biases(&args.options, args.paths.max_depth, &read, false);
-        series.session.view(&read, &small(size_of(&read, args.goal.size)), &args.options)?;
+        let (_, job) = frame_and_job(&args, &read, Instant::now())?;
+        let frame = small(job.size);
+        series.session.view(&read, &frame, &args.options)?;
         series.tell_warnings(&Arc::clone(&series.session.scene).warnings, false);
         series.tell_devices(false);
-        let (viewed, film, failed) = (None, None, None);
-        let own = Rendering { link, args, series, read, viewed, film, failed, small_pace: 0.0, pace: 0.0 };
+        let (viewed, film, failed) = (Some((0, frame, args.options.aov.clone())), None, None);
+        let own = Rendering { link, args, series, read, job, viewed, film, failed, small_pace: 0.0, pace: 0.0 };
         own.tell_scene();
         Ok(own)
     }
@@ -123,7 +127,7 @@ impl Rendering {
             self.save(orders, view)?;
         } else if samples > 0 && shown.is_some_and(|shown| shown.layer != orders.layer) {
             self.show_image(orders);
-        } else if is_at_rest && (samples == 0 || !orders.paused) && samples < u64::from(self.samples()) {
+        } else if is_at_rest && (samples == 0 || !orders.paused) && samples < u64::from(self.job.goal.end()) {
             self.render_more(orders)?;
         } else {
             thread::park_timeout(WAIT);
@@ -131,34 +135,25 @@ impl Rendering {
         Ok(())
     }
 
-    /// The size of the image.
-    fn full(&self) -> (u32, u32) {
-        size_of(&self.read, self.args.goal.size)
+    /// The job of a view of this size.
+    fn job_of(&self, size: (u32, u32), end: u32) -> Job {
+        Job { size, goal: Goal::Samples(end), ..self.job.clone() }
     }
 
-    /// The samples of a pixel, at the end.
-    fn samples(&self) -> u32 {
-        self.args.goal.spp.unwrap_or(self.read.render.samples)
-    }
-
-    fn job(&self, size: (u32, u32), end: u32) -> Job {
-        let max_depth = self.args.paths.max_depth.unwrap_or(self.read.render.max_depth);
-        Job { size, max_depth, seed: self.args.paths.seed, first_sample: 0, goal: Goal::Samples(end) }
-    }
-
-    /// Flattens the scene for a part of the image and these channels, and compiles what that needs, unless the session is ready for it.
+    /// Flattens the scene for a part of the image and these channels, and compiles what that needs, unless that has been done.
     fn view(&mut self, orders: &Orders, frame: Frame, aov: &Aovs) -> Result<()> {
         let view = (orders.revision, frame, aov.clone());
-        if self.viewed.as_ref() == Some(&view) {
+        let (size, options) = (frame.part.size(), RenderOptions { aov: aov.clone(), ..self.args.options.clone() });
+        if self.viewed.as_ref() != Some(&view) {
+            self.viewed = None;
+            self.series.session.view(&self.scene(orders)?, &frame, &options)?;
+            self.viewed = Some(view);
+        }
+        if self.series.session.is_ready() {
             return Ok(());
         }
-        self.viewed = None;
-        let options = RenderOptions { aov: aov.clone(), ..self.args.options.clone() };
-        self.series.session.view(&self.scene(orders)?, &frame, &options)?;
-        let (link, size) = (Arc::clone(&self.link), frame.part.size());
-        self.series.session.prepare(&self.job(size, MANY), &mut Following::new(&link, orders, &options, size))?;
-        self.viewed = Some(view);
-        Ok(())
+        let job = self.job_of(size, MANY);
+        self.series.session.prepare(&job, &mut Following::new(&self.link, orders, &options, size))
     }
 
     /// The scene with the camera of the window.
@@ -168,19 +163,20 @@ impl Rendering {
 
     /// The view of the image.
     fn view_image(&mut self, orders: &Orders) -> Result<()> {
-        self.view(orders, Frame::full(self.full()), &self.args.options.aov.clone())
+        self.view(orders, Frame::full(self.job.size), &self.args.options.aov.clone())
     }
 
     /// Renders and shows a small picture. Orders that come meanwhile do not end it, so that a camera which never rests is seen.
     fn show_small(&mut self, orders: &Orders) -> Result<()> {
-        let (frame, link) = (small(self.full()), Arc::clone(&self.link));
+        let frame = small(self.job.size);
         self.view(orders, frame, &self.args.options.aov.clone())?;
         let size = frame.part.size();
         let mut film = self.series.session.film(size)?;
         let begin = Instant::now();
         let count = ((self.small_pace * SMALL_TIME) as u32).clamp(1, RUN_LENGTH);
-        let mut following = Following::new(&link, orders, &self.args.options, size);
-        self.series.session.render(&self.job(size, count), &mut film, &mut following)?;
+        let job = self.job_of(size, count);
+        let mut following = Following::new(&self.link, orders, &self.args.options, size);
+        self.series.session.render(&job, &mut film, &mut following)?;
         self.small_pace = f64::from(count) / begin.elapsed().as_secs_f64();
         let mut shown = Shown::new(&film.film, orders.layer, None);
         shown.is_small = true;
@@ -191,16 +187,17 @@ impl Rendering {
     /// Adds samples to the image for a while, and shows it.
     fn render_more(&mut self, orders: &Orders) -> Result<()> {
         self.view_image(orders)?;
-        let (size, link) = (self.full(), Arc::clone(&self.link));
+        let size = self.job.size;
         let kept = self.film.take().filter(|(of, _)| *of == orders.revision);
         let mut film = kept.map_or_else(|| self.series.session.film(size), |(_, film)| Ok(film))?;
         // A range of whole runs, so that the image is that of one render.
         let runs = (PAUSE.as_secs_f64() * self.pace) as u32 / RUN_LENGTH;
         let held = film.samples.range().end;
-        let end = (held / RUN_LENGTH).saturating_add(runs.max(1)).saturating_mul(RUN_LENGTH).min(self.samples());
-        let mut following = Following::new(&link, orders, &self.args.options, size);
+        let end = (held / RUN_LENGTH).saturating_add(runs.max(1)).saturating_mul(RUN_LENGTH).min(self.job.goal.end());
+        let job = self.job_of(size, end);
+        let mut following = Following::new(&self.link, orders, &self.args.options, size);
         following.is_of_image = true;
-        self.series.session.render(&self.job(size, end), &mut film, &mut following)?;
+        self.series.session.render(&job, &mut film, &mut following)?;
         let new = film.samples.count().saturating_sub(held.into());
         self.pace = new as f64 / self.series.session.outcome.seconds.max(1e-9);
         self.film = Some((orders.revision, film));
@@ -244,12 +241,12 @@ impl Rendering {
     /// Finds what a pixel shows, by one sample of it.
     fn find(&mut self, orders: &Orders, (x, y): (u32, u32)) -> Result<()> {
         self.link.order(|orders| orders.pixel = None);
-        let full = self.full();
+        let full = self.job.size;
         let part = Crop { left: x.min(full.0 - 1), top: y.min(full.1 - 1), width: 1, height: 1 };
         let mut aov = Aovs::default();
         aov.set(vec![Aov::Depth0, Aov::Distance0, Aov::Object, Aov::Material]);
         self.view(orders, Frame { part, full }, &aov)?;
-        let (job, session) = (self.job(part.size(), 1), &mut self.series.session);
+        let (job, session) = (self.job_of(part.size(), 1), &mut self.series.session);
         let mut film = session.film(part.size())?;
         session.render(&job, &mut film, &mut ())?;
         let channels = film.film.aovs().channels();
@@ -266,7 +263,7 @@ impl Rendering {
     /// Tells the window of a scene that has been read.
     fn tell_scene(&self) {
         let camera = Camera { moving: Vec::new(), ..self.read.camera.at(self.read.camera.shutter.0) };
-        let (size, samples) = (self.full(), u64::from(self.samples()));
+        let (size, samples) = (self.job.size, u64::from(self.job.goal.end()));
         self.link.tell(|state| (state.camera, state.size, state.samples) = (camera, size, samples));
     }
 
@@ -282,14 +279,15 @@ impl Rendering {
             return;
         }
         let read = self.series.load(&self.args);
+        let read = read.and_then(|read| Ok((frame_and_job(&self.args, &read, Instant::now())?.1, read)));
         self.follow_files();
         let revision = self.link.order(|orders| {
             orders.revision += 1;
             orders.revision
         });
         match read {
-            Ok(read) => {
-                self.read = read;
+            Ok((job, read)) => {
+                (self.job, self.read) = (job, read);
                 self.tell_scene();
             }
             Err(error) => self.fail(&error, revision),
@@ -303,9 +301,8 @@ impl Rendering {
             self.series.session = new_series(&self.args).session;
             (self.viewed, self.film) = (None, None);
         }
-        let messages = error.messages();
-        messages.iter().for_each(|message| tell(&format!("error: {message}")));
-        self.link.tell(|state| state.errors = messages);
+        tell_error(error);
+        self.link.tell(|state| state.errors = error.messages());
     }
 }
 
@@ -322,7 +319,7 @@ impl WindowArgs {
 }
 
 fn new_series(args: &RenderArgs) -> Series {
-    let mut series = Series { assets: Assets::of_frames(), ..Series::new(args) };
+    let mut series = Series::new(args);
     series.session = series.session.keeping_hierarchies();
     series.session.submission = Some(SUBMISSION);
     series
@@ -347,7 +344,7 @@ struct Following<'a> {
     link: &'a Link,
     orders: &'a Orders,
     /// The options and the size of a film that begins anew.
-    options: RenderOptions,
+    options: &'a RenderOptions,
     size: (u32, u32),
     /// Whether the image is rendered, which ends with a change and is shown meanwhile. A small picture is not.
     is_of_image: bool,
@@ -357,9 +354,9 @@ struct Following<'a> {
 }
 
 impl Following<'_> {
-    fn new<'a>(link: &'a Link, orders: &'a Orders, options: &RenderOptions, size: (u32, u32)) -> Following<'a> {
+    fn new<'a>(link: &'a Link, orders: &'a Orders, options: &'a RenderOptions, size: (u32, u32)) -> Following<'a> {
         let (before, next) = (link.state().shown, Instant::now() + PAUSE / 2);
-        Following { link, orders, options: options.clone(), size, is_of_image: false, before, next }
+        Following { link, orders, options, size, is_of_image: false, before, next }
     }
 }
 
@@ -403,6 +400,6 @@ impl Observer for Following<'_> {
         let message = format!("{why}: the device is opened again");
         tell(&format!("warning: {message}"));
         self.link.tell(|state| state.message = message);
-        empty_film(view, self.size, &self.options).ok().map(Accumulation::empty)
+        empty_film(view, self.size, self.options).ok().map(Accumulation::empty)
     }
 }
