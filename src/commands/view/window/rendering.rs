@@ -50,7 +50,7 @@ pub struct Rendering {
     read: Scene,
     /// The job of the image.
     job: Job,
-    /// The view that the session is ready for: its revision, the part of the image, and its channels.
+    /// The view that the session has: its revision, the part of the image, and its channels.
     viewed: Option<(u64, Frame, Aovs)>,
     /// The film of the image, and its revision.
     film: Option<(u64, Accumulation)>,
