@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use clap::Args;
 
-use crate::job::MOST_SAMPLES;
-use crate::options::MAX_DEPTH;
+use crate::job::{MOST_SAMPLES, Size};
+use crate::options::{MAX_DEPTH, SIZE, SPP};
 use crate::output::view_transform::{Tonemap, ViewTransform};
 use crate::scene::Thin;
 
@@ -27,6 +27,16 @@ pub struct SceneArgs {
     pub path: PathBuf,
     #[command(flatten)]
     pub gltf: GltfArgs,
+}
+
+/// What a scene file says of its image, in place of that.
+#[derive(Clone, Debug, Default, Args)]
+pub struct ImageArgs {
+    #[arg(long, value_name = "N", value_parser = samples(), help = SPP.about, long_help = SPP.help(),
+          help_heading = SPP.class.heading())]
+    pub spp: Option<u32>,
+    #[arg(long, value_name = "WxH|W|N%", help = SIZE.about, long_help = SIZE.help(), help_heading = SIZE.class.heading())]
+    pub size: Option<Size>,
 }
 
 /// What a glTF file leaves open.

@@ -26,10 +26,8 @@ const PAUSE: Duration = Duration::from_secs(1);
 /// # Errors
 /// `Error::Usage` for standard input.
 pub fn check_watched(scene: &Path) -> Result<()> {
-    match is_standard(scene) {
-        true => Err(Error::Usage("--watch: standard input does not change: give the name of a scene file".to_owned())),
-        false => Ok(()),
-    }
+    let refused = "--watch: standard input does not change: give the name of a scene file";
+    if is_standard(scene) { Err(Error::Usage(refused.to_owned())) } else { Ok(()) }
 }
 
 /// Detects changes of files by their stamps. Reports of the system only say when to check them: they do not show what a save is, because

@@ -8,8 +8,6 @@ mod observers;
 mod record;
 mod request;
 mod resume;
-#[cfg(feature = "window")]
-mod save;
 mod series;
 mod summary;
 mod viewers;
@@ -29,16 +27,14 @@ pub use args::RenderArgs;
 use last_write::LastWrite;
 use observers::Observers;
 use record::{Clock, per_sample, record, report};
-pub use record::{Finish, attributes_of};
-pub use request::excluded;
+pub use record::{Finish, attributes_of, save};
 use request::{Request, denoising_of};
+pub use request::{excluded, frame_and_job};
 use resume::starting_film;
 pub use series::{Reported, Series};
 pub use summary::{error_words, matte_warning, noise_words, reliability_warnings};
 use summary::{rejected_words, summarise};
 use viewers::Viewers;
-#[cfg(feature = "window")]
-pub use {request::frame_and_job, save::save};
 
 /// Renders the scene once, or whenever it changes, or for each frame of it.
 pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {

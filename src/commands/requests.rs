@@ -70,7 +70,8 @@ impl Requests {
     pub fn next(&self) -> Option<Result<Request>> {
         let (request, interrupts_before) = loop {
             match self.coming.recv_timeout(WAIT) {
-                Err(RecvTimeoutError::Timeout) if !self.signals.have_come() => {}
+                _ if self.signals.have_come() => return None,
+                Err(RecvTimeoutError::Timeout) => {}
                 next => break next.ok()?,
             }
         };

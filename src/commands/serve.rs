@@ -15,10 +15,10 @@ use super::requests::{Request, Requests};
 use super::scene::{frame_of, load_from, size_of};
 use super::signals::Signals;
 use crate::aov::{Aov, Aovs};
-use crate::cli::{PathArgs, SceneArgs, samples};
+use crate::cli::{ImageArgs, PathArgs, SceneArgs};
 use crate::error::{Error, Location, Result};
-use crate::job::{MOST_SAMPLES, Size};
-use crate::options::{RenderOptions, SIZE, SPP};
+use crate::job::MOST_SAMPLES;
+use crate::options::RenderOptions;
 use crate::output::destination::is_standard;
 use crate::scene::{Assets, Camera, Change, Scene, is_gltf};
 
@@ -27,11 +27,8 @@ pub struct ServeArgs {
     /// - is a .ron whose text is a JSON string in the first line of standard input.
     #[command(flatten)]
     scene: SceneArgs,
-    #[arg(long, value_name = "WxH|W|N%", help = SIZE.about, long_help = SIZE.help(), help_heading = SIZE.class.heading())]
-    size: Option<Size>,
-    #[arg(long, value_name = "N", value_parser = samples(), help = SPP.about, long_help = SPP.help(),
-          help_heading = SPP.class.heading())]
-    spp: Option<u32>,
+    #[command(flatten)]
+    image: ImageArgs,
     #[command(flatten)]
     paths: PathArgs,
     #[command(flatten)]
@@ -55,7 +52,7 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     let mut server = Server::open(args.clone(), &text, signals.clone())?;
     let scene = &server.scene;
     let materials: Vec<&String> = scene.materials.iter().map(|(name, _)| name).collect();
-    let (image, size) = ((scene.image.width, scene.image.height), size_of(scene, server.args.goal.size));
+    let (image, size) = ((scene.image.width, scene.image.height), size_of(scene, server.args.goal.image.size));
     let Camera { look_from, look_at, aperture, focus_distance, .. } = scene.camera;
     let focus = (aperture > 0.0).then(|| focus_distance.unwrap_or((look_at - look_from).length()));
     let names = scene.object_names();
@@ -65,10 +62,8 @@ pub fn run(args: &ServeArgs) -> Result<()> {
         let rendered = request.and_then(|request| server.render(&request));
         let lost = server.series.session.devices.iter().find_map(|device| device.check().err());
         write_stdout(&format!("{}\n", server.answer(rendered, lost.is_some())))?;
-        match lost {
-            _ if signals.have_come() => return Err(signals.interrupted("the session ends")),
-            Some(error) => return Err(error),
-            None => {}
+        if let Some(error) = lost.filter(|_| !signals.have_come()) {
+            return Err(error);
         }
     }
     match signals.have_come() {
@@ -101,8 +96,8 @@ impl Server {
         let (start, mut args) = (Instant::now(), self.args.clone());
         args.files.output = Some(request.output.clone());
         args.paths.seed = request.seed.unwrap_or(args.paths.seed);
-        args.goal.spp = request.spp.or(args.goal.spp);
-        if !args.goal.spp.is_none_or(|spp| (1..=MOST_SAMPLES).contains(&i64::from(spp))) {
+        args.goal.image.spp = request.spp.or(args.goal.image.spp);
+        if !args.goal.image.spp.is_none_or(|spp| (1..=MOST_SAMPLES).contains(&i64::from(spp))) {
             return Err(Error::Usage(format!("spp: expected a number of samples from 1 to {MOST_SAMPLES}")));
         }
         let wrong = |field: &'static str| move |reason: String| Error::Usage(format!("{field}: {reason}"));
@@ -110,7 +105,7 @@ impl Server {
             args.options.aov.set(Aovs::parse(words).map_err(wrong("aov"))?);
         }
         if let Some(size) = &request.size {
-            args.goal.size = Some(size.parse().map_err(wrong("size"))?);
+            args.goal.image.size = Some(size.parse().map_err(wrong("size"))?);
         }
         if let Some(address) = &request.display {
             args.viewers.display_server = Some(host_and_port(address).map_err(wrong("display"))?);
@@ -162,9 +157,9 @@ fn fault(error: &Error) -> Option<Value> {
 impl ServeArgs {
     /// The arguments of a render without its output.
     fn into_render(self) -> RenderArgs {
-        let ServeArgs { scene, size, spp, paths, options, no_state, .. } = self;
+        let ServeArgs { scene, image, paths, options, no_state, .. } = self;
         RenderArgs {
-            goal: GoalArgs { size, spp, ..GoalArgs::default() },
+            goal: GoalArgs { image, ..GoalArgs::default() },
             keep: KeepArgs { checkpoint: Duration::from_secs(60), no_state, force: true, ..KeepArgs::default() },
             messages: MessageArgs { quiet: true, json: true, ..MessageArgs::default() },
             ..RenderArgs { scene, paths, options, ..RenderArgs::default() }

@@ -9,13 +9,13 @@ use clap::{Args, Subcommand};
 use super::console::print_line;
 use super::outputs::{check_name, make_folder};
 use super::scene::{load, size_of};
-use crate::cli::{CHECKPOINT, GltfArgs, PathArgs, SceneArgs, duration, relative_error, samples};
+use crate::cli::{CHECKPOINT, GltfArgs, ImageArgs, PathArgs, SceneArgs, duration, relative_error};
 use crate::cluster::scripts::{line, text_of};
 use crate::cluster::slurm::{Ids, Slurm, forget_tries};
 use crate::cluster::{ClusterRequest, FORMAT, Folder, MERGE, RENDER, split};
 use crate::error::{Error, Result};
-use crate::job::{MOST_SAMPLES, Size};
-use crate::options::{RenderOptions, SIZE, SPP};
+use crate::job::MOST_SAMPLES;
+use crate::options::RenderOptions;
 use crate::output::exr::{Attribute, attribute, read_attributes, read_state};
 use crate::printable::counted;
 use crate::render::LAST_CHECK;
@@ -35,9 +35,8 @@ pub struct SlurmArgs {
     pub scene: Option<PathBuf>,
     #[command(flatten)]
     pub gltf: GltfArgs,
-    #[arg(long, value_name = "N", value_parser = samples(), help = SPP.about, long_help = SPP.help(),
-          help_heading = SPP.class.heading())]
-    pub spp: Option<u32>,
+    #[command(flatten)]
+    pub image: ImageArgs,
     /// Render until the relative error is below this with 95 % confidence, in rounds that double the samples, limited by --spp if
     /// given.
     #[arg(long, value_name = "E", value_parser = relative_error)]
@@ -57,8 +56,6 @@ pub struct SlurmArgs {
     /// Write the folder and print what would be submitted.
     #[arg(long)]
     pub dry_run: bool,
-    #[arg(long, value_name = "WxH|W|N%", help = SIZE.about, long_help = SIZE.help(), help_heading = SIZE.class.heading())]
-    pub size: Option<Size>,
     #[command(flatten)]
     pub paths: PathArgs,
     /// Write the images of parts so far at this interval [30s, 5m, …].
@@ -184,9 +181,9 @@ fn absolute(path: &Path) -> Result<PathBuf> {
 fn new_folder(args: &SlurmArgs, scene_path: &Path) -> Result<Folder> {
     let scene = load(&SceneArgs { path: scene_path.to_owned(), gltf: args.gltf.clone() })?;
     let stem = text_of(Path::new(scene_path.file_stem().unwrap_or_default()))?;
-    let (width, height) = size_of(&scene, args.size);
-    let spp = args.spp.unwrap_or(scene.render.samples);
-    let most = args.noise.map(|_| args.spp.unwrap_or(MOST_SAMPLES as u32));
+    let (width, height) = size_of(&scene, args.image.size);
+    let spp = args.image.spp.unwrap_or(scene.render.samples);
+    let most = args.noise.map(|_| args.image.spp.unwrap_or(MOST_SAMPLES as u32));
     let all = 0..most.unwrap_or(spp);
     let count = args.parts.unwrap_or(1);
     if count > split::runs(&all) {
@@ -255,7 +252,7 @@ fn words_of(args: &SlurmArgs, (width, height): (u32, u32)) -> Result<Vec<String>
         |name: &str, value: Option<String>| words.extend(value.into_iter().flat_map(|value| [name.to_string(), value]));
     add("--camera", args.gltf.camera.clone());
     add("--sky", sky);
-    add("--size", args.size.map(|_| format!("{width}x{height}")));
+    add("--size", args.image.size.map(|_| format!("{width}x{height}")));
     add("--max-depth", args.paths.max_depth.map(|depth| depth.to_string()));
     add("--seed", (args.paths.seed != 0).then(|| args.paths.seed.to_string()));
     add("--device", args.paths.device.clone());

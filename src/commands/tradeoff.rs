@@ -357,7 +357,7 @@ fn settings_of(scene: &Scene, specs: &[&'static OptionSpec]) -> Result<Vec<Setti
         if denoise {
             args.options.aov.include(&[Aov::Albedo, Aov::Normal]);
         }
-        let scale = match args.goal.size {
+        let scale = match args.goal.image.size {
             Some(Size::Share(share)) => share,
             _ => 1.0,
         };

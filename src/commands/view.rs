@@ -6,21 +6,14 @@ mod window;
 
 pub use args::WindowArgs;
 #[cfg(feature = "window")]
-pub use window::{Link, Rendering, ViewState, Window};
+pub use window::{Link, Rendering, ViewState, Window, run};
 
-use crate::error::Result;
-
-/// Opens the window, until it is closed or a signal comes.
+/// Refuses: this program has no window.
 ///
 /// # Errors
-/// `Error::Usage` if this program has no window, or there is no display. Else those of `render`.
-#[cfg(feature = "window")]
-pub fn run(args: &WindowArgs) -> Result<()> {
-    window::run(args)
-}
-
+/// `Error::Usage`, which says how to build one that has it.
 #[cfg(not(feature = "window"))]
-pub fn run(_: &WindowArgs) -> Result<()> {
+pub fn run(_: &WindowArgs) -> crate::error::Result<()> {
     Err(crate::error::Error::Usage(
         "this program is built without a window: `cargo build --release --features window` builds one with it, and releases have it. `gpu-rt \
          render --preview` draws in the terminal"

@@ -32,7 +32,7 @@ impl Tonemap {
 }
 
 /// How a picture is made of radiance.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ViewTransform {
     /// In stops.
     pub exposure: f64,

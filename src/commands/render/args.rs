@@ -7,11 +7,11 @@ use std::time::Duration;
 use clap::Args;
 
 use crate::cli::{
-    CHECKPOINT, OIDN, PathArgs, SceneArgs, ViewArgs, duration, frame_range, relative_error, sample_range, samples,
+    CHECKPOINT, ImageArgs, OIDN, PathArgs, SceneArgs, ViewArgs, duration, frame_range, relative_error, sample_range,
 };
 use crate::commands::scene::stem_of;
-use crate::job::{Crop, Size};
-use crate::options::{Class, DENOISE, RenderOptions, SIZE, SPP};
+use crate::job::Crop;
+use crate::options::{Class, DENOISE, RenderOptions};
 
 #[derive(Clone, Debug, Default, Args)]
 pub struct RenderArgs {
@@ -61,9 +61,8 @@ pub struct GoalArgs {
     /// digits or more [default of -o: the scene's name with .####.exr]. --resume leaves out what is complete.
     #[arg(long, value_name = "A..B", value_parser = frame_range, conflicts_with_all = ["frame", "watch"])]
     pub frames: Option<Range<u32>>,
-    #[arg(long, value_name = "N", value_parser = samples(), help = SPP.about, long_help = SPP.help(),
-          help_heading = SPP.class.heading())]
-    pub spp: Option<u32>,
+    #[command(flatten)]
+    pub image: ImageArgs,
     /// Sample indices A to B - 1 of each pixel, to split a render over machines.
     #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with_all = ["spp", "time"])]
     pub samples: Option<Range<u32>>,
@@ -78,8 +77,6 @@ pub struct GoalArgs {
     /// With 95 % confidence, by 16, 32, 64 … samples, limited by --spp and --time if given.
     #[arg(long, value_name = "E", value_parser = relative_error, conflicts_with = "samples")]
     pub noise: Option<f64>,
-    #[arg(long, value_name = "WxH|W|N%", help = SIZE.about, long_help = SIZE.help(), help_heading = SIZE.class.heading())]
-    pub size: Option<Size>,
     /// Render only a part of the image: WIDTH x HEIGHT pixels, from column X and row Y on, with the bytes of the whole image.
     #[arg(long, value_name = "X,Y,WIDTH,HEIGHT")]
     pub crop: Option<Crop>,

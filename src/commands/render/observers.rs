@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::checkpoints::{Before, Checkpoints, is_due};
-use super::record::{Clock, Finish, attributes_of, per_sample, record};
+use super::record::{Clock, Finish, per_sample, record, write_film};
 use super::request::Request;
 use super::resume::starting_film;
 use super::viewers::{Viewers, pause_after, snapshot_time};
@@ -104,10 +104,8 @@ impl<'a> Observers<'a> {
         let mut seconds = self.clock.seconds;
         let rendered = film.samples.count().saturating_sub(*samples);
         seconds.per_sample = per_sample(begun.elapsed().as_secs_f64(), rendered);
-        let state = State::new(self.request.identity().clone(), film);
-        let attributes = attributes_of(&record(self.request, numerics, &finish, &seconds));
-        self.request.write(&film.film, Some(&state), &attributes)?;
-        let kept = self.request.what_is_in(&self.request.image, &state.samples);
+        write_film(self.request, film, &record(self.request, numerics, &finish, &seconds))?;
+        let kept = self.request.what_is_in(&self.request.image, &film.samples);
         self.signals.set_loss(format!("the samples since the last checkpoint are lost. {kept}"));
         Ok(())
     }
@@ -185,12 +183,13 @@ impl Observer for Observers<'_> {
         }
     }
 
-    fn lost(&mut self, why: &Error, view: &DeviceScene, devices: &[Arc<Device>]) -> Option<Accumulation> {
+    fn lost(&mut self, why: &Error, view: &DeviceScene, devices: &[Arc<Device>], film: &mut Accumulation) -> bool {
         if self.signals.are_pending() {
-            return None;
+            return false;
         }
         self.progress.message(&format!("warning: {why}; the device is opened once more"));
-        starting_film(self.request, self.kept().ok()?.as_ref(), view, devices).ok()
+        let kept = self.kept().and_then(|kept| starting_film(self.request, kept.as_ref(), view, devices));
+        kept.map(|kept| *film = kept).is_ok()
     }
 }
 

@@ -5,16 +5,19 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
+use super::args::RenderArgs;
 use super::request::Request;
 use crate::aov::Aov;
 use crate::commands::console::{command_line, object, path_text};
 use crate::commands::denoise::Denoised;
+use crate::error::Result;
 use crate::film::{Accumulation, Totals, Verdict};
 use crate::gpu::numerics::Numerics;
 use crate::options::Word;
-use crate::output::exr::Attribute;
+use crate::output::exr::{Attribute, State};
 use crate::render::{NOISE_LEVEL, Noise};
 use crate::samples::Samples;
+use crate::scene::Scene;
 use crate::session::Session;
 
 /// The result of a render, or of films that were joined.
@@ -193,6 +196,24 @@ pub fn attributes_of(record: &Map<String, Value>) -> Vec<(String, Attribute)> {
     let times = times.map(|(name, value)| (format!("seconds_{name}"), value));
     let others = record.iter().filter(|(name, _)| *name != "seconds").map(|(name, value)| (name.clone(), value));
     times.chain(others).filter_map(attribute).collect()
+}
+
+/// Writes the image with this record and its state, to go on from.
+pub fn write_film(request: &Request<'_>, film: &Accumulation, record: &Map<String, Value>) -> Result<()> {
+    let state = State::new(request.identity().clone(), film);
+    request.write(&film.film, Some(&state), &attributes_of(record))
+}
+
+/// Writes the film of the session's view and its picture as `render` with these arguments writes them.
+///
+/// # Errors
+/// As of `render`, where a file cannot be written.
+pub fn save(args: &RenderArgs, scene: &Scene, session: &Session, film: &Accumulation) -> Result<()> {
+    let mut request = Request::new(args, scene, Instant::now())?;
+    request.take(&session.scene)?;
+    let record = record(&request, session.numerics()?, &Finish::new(film, None, true), &Seconds::default());
+    write_film(&request, film, &record)?;
+    request.write_png(&film.film)
 }
 
 /// A value as the header holds it; `None` if it is not known or empty.

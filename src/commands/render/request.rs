@@ -291,7 +291,7 @@ pub fn denoising_of(args: &RenderArgs, image: &Path) -> Result<Option<Denoising>
 
 /// The requested part of the image, and the goal of its render.
 pub fn frame_and_job(args: &RenderArgs, scene: &Scene, start: Instant) -> Result<(Frame, Job)> {
-    let full = size_of(scene, args.goal.size);
+    let full = size_of(scene, args.goal.image.size);
     let part = args.goal.crop.unwrap_or(Crop::full(full));
     if !part.is_in(full) {
         let (width, height) = full;
@@ -300,9 +300,9 @@ pub fn frame_and_job(args: &RenderArgs, scene: &Scene, start: Instant) -> Result
         )));
     }
     let size = part.size();
-    let samples = args.goal.samples.clone().unwrap_or(0..args.goal.spp.unwrap_or(scene.render.samples));
+    let samples = args.goal.samples.clone().unwrap_or(0..args.goal.image.spp.unwrap_or(scene.render.samples));
     let deadline = args.goal.time.map(|time| start + time.saturating_sub(write_time(size, args)));
-    let end = args.goal.spp.unwrap_or(MOST_SAMPLES as u32);
+    let end = args.goal.image.spp.unwrap_or(MOST_SAMPLES as u32);
     let goal = match (args.goal.noise, deadline) {
         (None, None) => Goal::Samples(samples.end),
         (None, Some(deadline)) => Goal::Until { deadline, end },

@@ -32,7 +32,7 @@ pub fn summarise(request: &Request<'_>, outcome: &Outcome, finish: &Finish, tota
         tell(&format!("warning: the render took {over} longer than --time {} s", time.as_secs_f64()));
     }
     let ended_by_time = args.goal.time.filter(|_| {
-        let all = args.goal.spp.is_some_and(|spp| finish.samples.count() >= u64::from(spp));
+        let all = args.goal.image.spp.is_some_and(|spp| finish.samples.count() >= u64::from(spp));
         !all && !outcome.interrupted && !finish.noise.is_some_and(|noise| noise.reached)
     });
     if let Some(time) = ended_by_time.filter(|time| total < LEAST_OF_TIME * time.as_secs_f64()) {

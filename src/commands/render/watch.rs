@@ -86,7 +86,7 @@ fn pass(series: &mut Series, args: &RenderArgs, start: Instant, render: Render) 
     let (frame, job) = frame_and_job(args, &scene, start)?;
     let identity = || Identity::new(&scene, &frame, &job, &args.options);
     let is_held = !args.keep.force && more_there(&args.image(), identity, 0).is_some();
-    let most = args.goal.spp.unwrap_or(scene.render.samples);
+    let most = args.goal.image.spp.unwrap_or(scene.render.samples);
     let mut begun = start;
     for (share, samples) in PREVIEWS.into_iter().filter(|_| !is_held) {
         let (width, height) = Size::Share(share).in_pixels(frame.full);
@@ -121,9 +121,9 @@ fn is_end(series: &Series, args: &RenderArgs, error: &Error, began: bool) -> boo
 /// The arguments of a preview.
 fn of_preview(args: &RenderArgs, frame: &Frame, size: (u32, u32), samples: u32) -> RenderArgs {
     let mut args = args.clone();
-    args.goal.size = Some(Size::Pixels(size.0, size.1));
+    args.goal.image.size = Some(Size::Pixels(size.0, size.1));
     args.goal.crop = frame.crop().map(|crop| scaled(&crop, frame.full, size));
-    args.goal.spp = Some(samples);
+    args.goal.image.spp = Some(samples);
     (args.goal.time, args.goal.noise) = (None, None);
     args.keep.no_state = true;
     (args.messages.strict, args.messages.quiet) = (false, true);

@@ -4,9 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::{PathArgs, SceneArgs, ViewArgs, samples};
-use crate::job::Size;
-use crate::options::{RenderOptions, SIZE, SPP};
+use crate::cli::{ImageArgs, PathArgs, SceneArgs, ViewArgs};
+use crate::options::RenderOptions;
 
 #[derive(Clone, Debug, Default, Args)]
 pub struct WindowArgs {
@@ -15,11 +14,8 @@ pub struct WindowArgs {
     /// The image that S saves, beside a PNG of its name [default: the scene's name with .exr]. A file that exists stays: the name gets a number.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    #[arg(long, value_name = "WxH|W|N%", help = SIZE.about, long_help = SIZE.help(), help_heading = SIZE.class.heading())]
-    pub size: Option<Size>,
-    #[arg(long, value_name = "N", value_parser = samples(), help = SPP.about, long_help = SPP.help(),
-          help_heading = SPP.class.heading())]
-    pub spp: Option<u32>,
+    #[command(flatten)]
+    pub image: ImageArgs,
     #[command(flatten)]
     pub paths: PathArgs,
     #[command(flatten)]

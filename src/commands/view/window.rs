@@ -6,15 +6,14 @@ mod navigation;
 mod rendering;
 
 use std::ops::RangeInclusive;
-use std::panic::{self, AssertUnwindSafe};
 use std::sync::Arc;
-use std::thread::{self, Builder, sleep};
+use std::thread::{Builder, sleep};
 use std::time::{Duration, Instant};
 
 use clap::ValueEnum;
 use eframe::egui::{
-    CentralPanel, Color32, ColorImage, ComboBox, Context, DragValue, Image, Key, Panel, PointerButton, Pos2, Rect,
-    Response, RichText, Role, ScrollArea, Sense, TextureFilter, TextureHandle, TextureOptions, Ui, Vec2,
+    CentralPanel, Color32, ColorImage, ComboBox, Context, DragValue, Event, Image, Key, Panel, PointerButton, Pos2,
+    Rect, Response, RichText, Role, ScrollArea, Sense, TextureFilter, TextureHandle, TextureOptions, Ui, Vec2,
     ViewportBuilder, ViewportCommand, WidgetInfo, vec2,
 };
 use eframe::{App, AppCreator, Error as WindowError, Frame, NativeOptions};
@@ -27,20 +26,19 @@ use crate::commands::scene::name_of;
 use crate::commands::signals::{Signals, WAIT};
 use crate::error::{Error, Result};
 use crate::film::UNKNOWN_VARIANCE;
+use crate::guard::caught;
 use crate::output::view_transform::{Tonemap, ViewTransform};
 use crate::printable::percent;
 use crate::scene::Camera;
 use layers::{AOVS, PictureLayer, Shown};
-use link::PixelSurface;
 pub use link::{Link, ViewState};
-use navigation::{dolly, f_number, field_of_view, orbit, pan, set_f_number, turn_around};
+use navigation::{dolly, field_of_view, focal_length, orbit, pan};
 pub use rendering::Rendering;
 
-/// The angle for a drag over the height of the image, in radians, and for a key.
+/// The angle for a drag over the height of the image, in radians.
 const TURN: f64 = 3.0;
-const KEY_TURN: f64 = 0.1;
-/// The shift for a key, in heights of the view.
-const KEY_SHIFT: f64 = 0.05;
+/// The drag that a key stands for, in heights of the image.
+const KEY_DRAG: f64 = 0.04;
 /// The share of the distance for a key, and the power of e for a point of the wheel.
 const KEY_SHARE: f64 = 0.9;
 const WHEEL: f64 = 0.005;
@@ -48,8 +46,7 @@ const WHEEL: f64 = 0.005;
 const PINHOLE: f64 = 1e4;
 /// How long the thread that renders may take to end. A driver that compiles cannot be stopped.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// The least and the largest window at the start, and the width of the settings, in points.
-const SIZES: (Vec2, Vec2) = (vec2(640.0, 480.0), vec2(1600.0, 900.0));
+/// The width of the settings, in points.
 const SETTINGS: f32 = 260.0;
 
 /// The state of the window.
@@ -60,19 +57,16 @@ pub struct Window {
     signals: Signals,
     /// The camera of the view.
     pub camera: Camera,
-    /// The camera of the scene file, and that of a reset, which may have another target.
+    /// The camera of the scene.
     read: Camera,
-    start: Camera,
     view: ViewTransform,
     /// Whether the next click makes what it meets sharp, and the pixel of that click.
     focuses: bool,
     focus: Option<(u32, u32)>,
-    /// The middle of the image, if the camera will turn around what it shows: files of other programs have no target.
-    target: Option<(u32, u32)>,
     /// The pixel under the mouse.
     hovered: Option<(u32, u32)>,
     /// The texture of a picture, with that, the exposure and the curve.
-    texture: Option<(TextureHandle, Arc<Shown>, (f64, Tonemap))>,
+    texture: Option<(TextureHandle, Arc<Shown>, ViewTransform)>,
 }
 
 /// Opens the window, until it is closed or a signal comes.
@@ -86,14 +80,9 @@ pub fn run(args: &WindowArgs) -> Result<()> {
         check_watched(&args.scene.path)?;
     }
     let rendering = Rendering::open(args, Arc::clone(&link))?;
-    let mut window = Window::new(Arc::clone(&link), args.view.transform());
-    window.signals = signals.clone();
+    let window = Window { signals: signals.clone(), ..Window::new(Arc::clone(&link), args.view.transform()) };
     let (width, height) = link.state().size;
-    if args.scene.path.extension().is_some_and(|ending| ending != "ron") {
-        window.target = Some((width / 2, height / 2));
-        link.order(|orders| orders.pixel = window.target);
-    }
-    let size = vec2(width as f32 + SETTINGS, height as f32 + 60.0).clamp(SIZES.0, SIZES.1);
+    let size = vec2(width as f32 + SETTINGS, height as f32 + 60.0).clamp(vec2(640.0, 480.0), vec2(1600.0, 900.0));
     let title = format!("{} - gpu-rt", name_of(&args.scene.path));
     let viewport = ViewportBuilder::default().with_title(title).with_app_id("gpu-rt").with_inner_size(size);
     let options = NativeOptions { viewport, ..NativeOptions::default() };
@@ -103,13 +92,18 @@ pub fn run(args: &WindowArgs) -> Result<()> {
     let create: AppCreator<'_> = Box::new(move |context| {
         let ctx = context.egui_ctx.clone();
         let _ = theirs.repaint.set(Box::new(move || ctx.request_repaint()));
-        wake_for(came, theirs);
+        // Without a thread for that, a signal is noticed with the next picture.
+        let _ = Builder::new().spawn(move || {
+            while !came.have_come() {
+                sleep(WAIT);
+            }
+            theirs.tell(|_| ());
+        });
         Ok(Box::new(window))
     });
+    // The libraries of the window panic if another program destroys it.
     let opened = caught(|| eframe::run_native("gpu-rt", options, create));
-    if let Some(text) = link.orders().camera {
-        tell(&format!("camera: {text}"));
-    }
+    link.orders().camera.iter().for_each(|text| tell(&format!("camera: {text}")));
     link.order(|orders| orders.ends = true);
     let begin = Instant::now();
     while !renderer.is_finished() && begin.elapsed() < PATIENCE {
@@ -126,31 +120,6 @@ pub fn run(args: &WindowArgs) -> Result<()> {
         signal_hook::low_level::exit(result.map_or_else(|error| error.exit_status(), |()| 0).into());
     }
     result
-}
-
-/// Wakes the window when a signal comes. Without a thread for that, a signal is noticed with the next picture.
-fn wake_for(signals: Signals, link: Arc<Link>) {
-    let wait = move || {
-        while !signals.have_come() && !link.orders().ends {
-            sleep(WAIT);
-        }
-        link.tell(|_| ());
-    };
-    let _ = Builder::new().name("signals".to_owned()).spawn(wait);
-}
-
-/// The result of the window; where its libraries panic, as they do if another program destroys it, the reason.
-fn caught<T>(window: impl FnOnce() -> T) -> std::result::Result<T, String> {
-    let (this, usual) = (thread::current().id(), Arc::new(panic::take_hook()));
-    let others = Arc::clone(&usual);
-    panic::set_hook(Box::new(move |info| {
-        if thread::current().id() != this {
-            others(info)
-        }
-    }));
-    let result = panic::catch_unwind(AssertUnwindSafe(window));
-    panic::set_hook(Box::new(move |info| usual(info)));
-    result.map_err(|panic| panic.downcast_ref::<String>().cloned().unwrap_or_default())
 }
 
 fn explained(error: &WindowError) -> Error {
@@ -176,15 +145,19 @@ impl Window {
     /// The window of a scene that has been read.
     pub fn new(link: Arc<Link>, view: ViewTransform) -> Window {
         let read = link.state().camera;
-        Window { link, view, camera: read.clone(), start: read.clone(), read, ..Window::default() }
+        Window { link, view, camera: read.clone(), read, ..Window::default() }
     }
 
     /// Draws the window, and takes what the user does.
     pub fn draw(&mut self, ui: &mut Ui) {
         let state = self.link.state();
         self.take(&state);
-        if !ui.ctx().egui_wants_keyboard_input() {
-            self.keys(ui);
+        for event in ui.input(|input| input.events.clone()) {
+            if let Event::Key { key, pressed: true, modifiers, .. } = event
+                && !(modifiers.command || modifiers.alt || ui.ctx().egui_wants_keyboard_input())
+            {
+                self.press(key, modifiers.shift, ui);
+            }
         }
         Panel::right("settings").exact_size(SETTINGS).show(ui, |ui| {
             ScrollArea::vertical().show(ui, |ui| {
@@ -201,20 +174,13 @@ impl Window {
 
     /// Takes what the thread has found.
     fn take(&mut self, state: &ViewState) {
-        let is_moved = self.camera != self.start;
-        if state.camera != self.read {
-            (self.read, self.start) = (state.camera.clone(), state.camera.clone());
-            if !is_moved {
-                self.camera = self.start.clone();
-            }
+        if self.camera == self.read {
+            self.camera = state.camera.clone();
         }
+        self.read = state.camera.clone();
         let Some(surface) = &state.surface else { return };
-        let found = Some(surface.pixel);
-        if self.target.take_if(|pixel| Some(*pixel) == found).is_some() && !is_moved && surface.names.is_some() {
-            [&mut self.camera, &mut self.start].into_iter().for_each(|camera| turn_around(camera, surface.depth));
-        }
-        if self.focus.take_if(|pixel| Some(*pixel) == found).is_some() && surface.names.is_some() {
-            self.camera.focus_distance = Some(surface.depth);
+        if self.focus.take_if(|pixel| *pixel == surface.pixel).is_some() && surface.depth.is_some() {
+            self.camera.focus_distance = surface.depth;
             self.moved();
         }
     }
@@ -228,55 +194,49 @@ impl Window {
         });
     }
 
-    fn reset(&mut self) {
-        self.camera = self.start.clone();
-        self.link.order(|orders| (orders.camera, orders.revision) = (None, orders.revision + 1));
-    }
-
-    fn pause(&mut self) {
-        self.link.order(|orders| orders.paused = !orders.paused);
-    }
-
-    fn order_save(&self) {
-        self.link.order(|orders| orders.save = Some(self.view));
-    }
-
-    fn copy(&self, ui: &Ui) {
-        let text = format!("camera: {}", self.camera.text());
-        tell(&text);
-        ui.ctx().copy_text(text);
-    }
-
-    fn keys(&mut self, ui: &Ui) {
-        let (pressed, shift) = ui.input(|input| {
-            let pressed = |key: &Key| !input.modifiers.command && !input.modifiers.alt && input.key_pressed(*key);
-            (Key::ALL.iter().copied().filter(pressed).collect::<Vec<_>>(), input.modifiers.shift)
-        });
-        for key in pressed {
-            match key {
-                Key::ArrowLeft => self.step(-1.0, 0.0, shift),
-                Key::ArrowRight => self.step(1.0, 0.0, shift),
-                Key::ArrowUp => self.step(0.0, 1.0, shift),
-                Key::ArrowDown => self.step(0.0, -1.0, shift),
-                Key::Plus | Key::Equals => self.approach(KEY_SHARE),
-                Key::Minus => self.approach(1.0 / KEY_SHARE),
-                Key::Num0 => self.reset(),
-                Key::Space => self.pause(),
-                Key::F => self.focuses = !self.focuses,
-                Key::C => self.copy(ui),
-                Key::S => self.order_save(),
-                Key::R => self.link.order(|orders| orders.revision += 1),
-                Key::Q => ui.ctx().send_viewport_cmd(ViewportCommand::Close),
-                _ => {}
+    /// Does what a key stands for.
+    fn press(&mut self, key: Key, shift: bool, ui: &Ui) {
+        match key {
+            Key::ArrowLeft => self.drag(-KEY_DRAG, 0.0, shift),
+            Key::ArrowRight => self.drag(KEY_DRAG, 0.0, shift),
+            Key::ArrowUp => self.drag(0.0, KEY_DRAG, shift),
+            Key::ArrowDown => self.drag(0.0, -KEY_DRAG, shift),
+            Key::Plus | Key::Equals => self.approach(KEY_SHARE),
+            Key::Minus => self.approach(1.0 / KEY_SHARE),
+            Key::Num0 => {
+                self.camera = self.read.clone();
+                self.link.order(|orders| (orders.camera, orders.revision) = (None, orders.revision + 1));
             }
+            Key::Space => self.link.order(|orders| orders.paused = !orders.paused),
+            Key::F => self.focuses = !self.focuses,
+            Key::C => {
+                let text = format!("camera: {}", self.camera.text());
+                tell(&text);
+                ui.ctx().copy_text(text);
+            }
+            Key::S => self.link.order(|orders| orders.save = Some(self.view)),
+            Key::R => self.link.order(|orders| orders.revision += 1),
+            Key::Q => ui.ctx().send_viewport_cmd(ViewportCommand::Close),
+            _ => {}
         }
     }
 
-    /// Turns the camera by a key, or shifts it.
-    fn step(&mut self, x: f64, y: f64, shifts: bool) {
+    /// Buttons in a row, with the key that each stands for.
+    fn buttons(&mut self, ui: &mut Ui, buttons: [(&str, &str, Key); 2]) {
+        ui.horizontal(|ui| {
+            for (name, hint, key) in buttons {
+                if ui.button(name).on_hover_text(hint).clicked() {
+                    self.press(key, false, ui);
+                }
+            }
+        });
+    }
+
+    /// Turns the camera, or shifts it, to the right and upwards, in heights of the image.
+    fn drag(&mut self, right: f64, up: f64, shifts: bool) {
         match shifts {
-            true => pan(&mut self.camera, KEY_SHIFT * x, KEY_SHIFT * y),
-            false => orbit(&mut self.camera, KEY_TURN * x, -KEY_TURN * y),
+            true => pan(&mut self.camera, right, up),
+            false => orbit(&mut self.camera, TURN * right, -TURN * up),
         }
         self.moved();
     }
@@ -293,9 +253,10 @@ impl Window {
             if number(ui, "Field of view, degrees", &mut degrees, 0.01..=179.0) {
                 (camera.vertical_fov, camera.projection) = (Some(degrees), None);
             }
-            let mut f = f_number(&camera).min(PINHOLE);
+            let length = focal_length(degrees);
+            let mut f = (length / camera.aperture).min(PINHOLE);
             if number(ui, "f-number", &mut f, 1e-9..=PINHOLE) {
-                set_f_number(&mut camera, if f < PINHOLE { f } else { f64::INFINITY });
+                camera.aperture = if f < PINHOLE { length / f } else { 0.0 };
             }
         }
         let mut distance = camera.focus_distance.unwrap_or((camera.look_at - camera.look_from).length());
@@ -308,14 +269,8 @@ impl Window {
         }
         ui.toggle_value(&mut self.focuses, "Focus by a click")
             .on_hover_text("F. The next click makes sharp what it meets");
-        ui.horizontal(|ui| {
-            if ui.button("Reset").on_hover_text("0. The camera of the scene").clicked() {
-                self.reset();
-            }
-            if ui.button("Copy").on_hover_text("C. The camera as text, to the clipboard and the terminal").clicked() {
-                self.copy(ui);
-            }
-        });
+        let copies = "C. The camera as text, to the clipboard and the terminal";
+        self.buttons(ui, [("Reset", "0. The camera of the scene", Key::Num0), ("Copy", copies, Key::C)]);
     }
 
     fn picture_settings(&mut self, ui: &mut Ui, state: &ViewState) {
@@ -334,14 +289,9 @@ impl Window {
         if choice(ui, "Layer", &mut layer, layers) {
             self.link.order(|orders| orders.layer = layer);
         }
-        ui.horizontal(|ui| {
-            if ui.button(if self.link.orders().paused { "Go on" } else { "Pause" }).on_hover_text("Space").clicked() {
-                self.pause();
-            }
-            if ui.button("Save EXR and PNG").on_hover_text("S. With the samples so far").clicked() {
-                self.order_save();
-            }
-        });
+        let pause = if self.link.orders().paused { "Go on" } else { "Pause" };
+        let saves = ("Save EXR and PNG", "S. With the samples so far", Key::S);
+        self.buttons(ui, [(pause, "Space", Key::Space), saves]);
     }
 
     /// The values of the pixel under the mouse or of the last click, and the surface there.
@@ -351,13 +301,8 @@ impl Window {
         if let (Some(pixel), Some(shown)) = (pixel, &state.shown) {
             ui.label(words_of_pixel(shown, pixel, state.size));
         }
-        ui.label(match &state.surface {
-            None => "A click finds the object and its distance".to_owned(),
-            Some(PixelSurface { pixel: (x, y), names: None, .. }) => format!("{x}, {y}: no surface"),
-            Some(PixelSurface { pixel: (x, y), names: Some((object, material)), distance, .. }) => {
-                format!("{x}, {y}: {object}\nmaterial {material}\ndistance {distance:.6}")
-            }
-        });
+        let surface = state.surface.as_ref().map(|surface| surface.words.as_str());
+        ui.label(surface.unwrap_or("A click finds the object and its distance"));
         ui.separator();
         ui.label(RichText::new("Drag to turn. Shift or the right button shifts, the wheel goes nearer").weak());
     }
@@ -382,11 +327,7 @@ impl Window {
         if response.dragged() && drag != Vec2::ZERO {
             // In a mirrored image, left is right.
             let (x, y) = (f64::from(if self.camera.mirror { -drag.x } else { drag.x }), f64::from(drag.y));
-            match response.dragged_by(PointerButton::Primary) && !shift {
-                true => orbit(&mut self.camera, -TURN * x, -TURN * y),
-                false => pan(&mut self.camera, -x, y),
-            }
-            self.moved();
+            self.drag(-x, y, shift || !response.dragged_by(PointerButton::Primary));
         }
         if response.hovered() && wheel != 0.0 {
             self.approach((-WHEEL * f64::from(wheel)).exp());
@@ -405,10 +346,9 @@ impl Window {
 
     /// The texture of what is shown, as large as textures can be.
     fn texture_of(&mut self, ui: &Ui, shown: &Arc<Shown>) -> eframe::egui::TextureId {
-        let view = (self.view.exposure, self.view.tonemap);
         if let Some((texture, of, by)) = &self.texture
             && Arc::ptr_eq(of, shown)
-            && *by == view
+            && *by == self.view
         {
             return texture.id();
         }
@@ -421,7 +361,7 @@ impl Window {
         let magnification = if shown.is_small { TextureFilter::Linear } else { TextureFilter::Nearest };
         let options = TextureOptions { magnification, ..TextureOptions::LINEAR };
         let image = ColorImage::new([width.div_ceil(step), height.div_ceil(step)], pixels);
-        self.texture.insert((ui.ctx().load_texture("image", image, options), Arc::clone(shown), view)).0.id()
+        self.texture.insert((ui.ctx().load_texture("image", image, options), Arc::clone(shown), self.view)).0.id()
     }
 }
 
@@ -479,13 +419,10 @@ fn words_of_pixel(shown: &Shown, (x, y): (u32, u32), size: (u32, u32)) -> String
     let index = shown.index((x, y), size);
     let Some(rgb) = shown.picture.rgb.get(index) else { return String::new() };
     let numbers = |values: &[f32; 3]| values.map(|value| format!("{value:.5}")).join(" ");
-    let variance = shown.picture.variance[index];
+    let (variance, error) = (shown.picture.variance[index], percent(shown.error_at(index)));
     let words = match variance.contains(&UNKNOWN_VARIANCE) {
         true => "variance unknown".to_owned(),
-        false => {
-            let variance = variance.map(|value| format!("{value:.2e}")).join(" ");
-            format!("variance {variance}\nrelative error {}", percent(shown.error_at(index)))
-        }
+        false => format!("variance {}\nrelative error {error}", variance.map(|value| format!("{value:.2e}")).join(" ")),
     };
     let values = shown.values.get(index).map_or_else(String::new, |values| format!("\nlayer {}", numbers(values)));
     format!("{x}, {y}\nradiance {}\n{words}{values}", numbers(rgb))

@@ -1,9 +1,11 @@
 //! The layers that the window shows, and their colours.
 
+use std::f64::consts::TAU;
+
 use crate::aov::Aov;
 use crate::data::Rgb;
 use crate::film::{Film, Picture};
-use crate::metrics::error::floor_of;
+use crate::metrics::error::{floor_of, relative_variance};
 use crate::output::magma::magma;
 use crate::output::view_transform::ViewTransform;
 
@@ -64,7 +66,7 @@ impl Shown {
             PictureLayer::Of { aov, number } => values(film, aov, number),
             _ => Vec::new(),
         };
-        let floor = floor_of(&picture.rgb);
+        let floor = floor_of(&picture.rgb).max(f64::MIN_POSITIVE);
         Shown { picture, layer, values, lights, floor, ..Shown::default() }
     }
 
@@ -78,9 +80,7 @@ impl Shown {
     /// The standard error of a pixel relative to its radiance; huge where it is not known.
     pub fn error_at(&self, index: usize) -> f64 {
         let (rgb, variance) = (self.picture.rgb[index], self.picture.variance[index]);
-        let of_channel =
-            |c: usize| f64::from(variance[c]) / (f64::from(rgb[c]).powi(2) + self.floor).max(f64::MIN_POSITIVE);
-        ([0, 1, 2].map(of_channel).iter().sum::<f64>() / 3.0).sqrt()
+        relative_variance(&[variance], &[rgb], self.floor).unwrap_or_default().sqrt()
     }
 
     /// The colours of all pixels for a screen.
@@ -133,12 +133,6 @@ fn colours_of(aov: Aov, values: &[Rgb<f32>]) -> Vec<[u8; 3]> {
 
 /// A colour for a number, unlike those of its neighbours; black for 0. Steps of the golden ratio are spread evenly.
 fn of_number(number: u32) -> [u8; 3] {
-    if number == 0 {
-        return [0; 3];
-    }
-    let hue = (f64::from(number) * 0.618_033_988_749_895).fract();
-    [0.0, 1.0 / 3.0, 2.0 / 3.0].map(|offset| {
-        let along = (hue + offset).fract();
-        (255.0 * (0.25 + 0.75 * (6.0 * (along - 0.5).abs() - 1.0).clamp(0.0, 1.0))) as u8
-    })
+    let hue = |offset: f64| TAU * (f64::from(number) * 0.618_033_988_749_895 + offset);
+    [0.0, 1.0 / 3.0, 2.0 / 3.0].map(|offset| if number == 0 { 0 } else { (150.0 + 105.0 * hue(offset).cos()) as u8 })
 }

@@ -47,11 +47,10 @@ pub struct ViewState {
 #[derive(Clone, Debug, PartialEq)]
 pub struct PixelSurface {
     pub pixel: (u32, u32),
-    /// The names of the object and of its material. Without them the pixel shows no surface.
-    pub names: Option<(String, String)>,
-    /// The distance along the ray, and along the camera's axis, in scene units.
-    pub distance: f64,
-    pub depth: f64,
+    /// The object, its material, and the distance along the ray.
+    pub words: String,
+    /// The distance along the camera's axis, in scene units. Without it the pixel shows no surface.
+    pub depth: Option<f64>,
 }
 
 /// Both, shared by the two threads.
@@ -76,10 +75,9 @@ impl Link {
     }
 
     /// Changes what the window wants, and wakes the thread that renders.
-    pub fn order<T>(&self, change: impl FnOnce(&mut Orders) -> T) -> T {
-        let result = change(&mut lock(&self.orders));
+    pub fn order(&self, change: impl FnOnce(&mut Orders)) {
+        change(&mut lock(&self.orders));
         self.renderer.get().inspect(|thread| thread.unpark());
-        result
     }
 
     pub fn state(&self) -> ViewState {

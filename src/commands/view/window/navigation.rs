@@ -74,19 +74,9 @@ pub fn field_of_view(camera: &Camera) -> Option<f64> {
     }
 }
 
-/// The focal length over the diameter of the lens; infinite for a pinhole.
-pub fn f_number(camera: &Camera) -> f64 {
-    focal_length(camera) / camera.aperture
-}
-
-/// Sets that number. An infinite one makes a pinhole.
-pub fn set_f_number(camera: &mut Camera, number: f64) {
-    camera.aperture = focal_length(camera) / number;
-}
-
-fn focal_length(camera: &Camera) -> f64 {
-    let half = field_of_view(camera).unwrap_or(40.0).to_radians() / 2.0;
-    FILM_HEIGHT / 2.0 / half.tan()
+/// The distance from the lens to the film, in scene units. Over the lens's diameter it is the f-number.
+pub fn focal_length(field_of_view: f64) -> f64 {
+    FILM_HEIGHT / 2.0 / (field_of_view.to_radians() / 2.0).tan()
 }
 
 fn height_at_target(camera: &Camera) -> f64 {
@@ -184,14 +174,8 @@ mod tests {
     }
 
     #[test]
-    fn an_f_number_is_the_focal_length_over_the_diameter() {
-        let mut lens = camera();
-        assert!(f_number(&lens).is_infinite());
-        // 24 mm of film at 40 degrees: a lens of 32.97 mm.
-        set_f_number(&mut lens, 2.0);
-        assert!((lens.aperture - 0.016_484_9).abs() < 1e-6 && (f_number(&lens) - 2.0).abs() < 1e-12, "{lens:?}");
-        set_f_number(&mut lens, f64::INFINITY);
-        assert_eq!(lens.aperture, 0.0);
-        assert_eq!(field_of_view(&lens), Some(40.0));
+    fn a_film_of_24_mm_at_40_degrees_has_a_lens_of_33_mm() {
+        assert_eq!(field_of_view(&camera()), Some(40.0));
+        assert!((focal_length(40.0) - 0.032_969_7).abs() < 1e-7, "{}", focal_length(40.0));
     }
 }

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::layers::{PictureLayer, Shown};
 use super::link::{Link, Orders, PixelSurface};
+use super::navigation::turn_around;
 use crate::aov::{Aov, Aovs};
 use crate::cli::ViewArgs;
 use crate::commands::changes::Changes;
@@ -24,7 +25,7 @@ use crate::gpu::device::Device;
 use crate::job::{Crop, Frame, Goal, Job, Size};
 use crate::options::RenderOptions;
 use crate::output::view_transform::ViewTransform;
-use crate::render::{Next, Observer, Outcome, Snapshot, empty_film};
+use crate::render::{Next, Observer, Outcome, Snapshot};
 use crate::scene::{Camera, Change, Scene, is_gltf};
 
 /// The share of the image's width and height that the picture has while the camera moves, and its most pixels.
@@ -153,7 +154,7 @@ impl Rendering {
             return Ok(());
         }
         let job = self.job_of(size, MANY);
-        self.series.session.prepare(&job, &mut Following::new(&self.link, orders, &options, size))
+        self.series.session.prepare(&job, &mut Following::new(&self.link, orders, false))
     }
 
     /// The scene with the camera of the window.
@@ -170,18 +171,22 @@ impl Rendering {
     fn show_small(&mut self, orders: &Orders) -> Result<()> {
         let frame = small(self.job.size);
         self.view(orders, frame, &self.args.options.aov.clone())?;
-        let size = frame.part.size();
-        let mut film = self.series.session.film(size)?;
         let begin = Instant::now();
         let count = ((self.small_pace * SMALL_TIME) as u32).clamp(1, RUN_LENGTH);
-        let job = self.job_of(size, count);
-        let mut following = Following::new(&self.link, orders, &self.args.options, size);
-        self.series.session.render(&job, &mut film, &mut following)?;
+        let film = self.render(orders, frame, count)?;
         self.small_pace = f64::from(count) / begin.elapsed().as_secs_f64();
         let mut shown = Shown::new(&film.film, orders.layer, None);
         shown.is_small = true;
         self.show(orders, shown);
         Ok(())
+    }
+
+    /// Renders a film of the session's view.
+    fn render(&mut self, orders: &Orders, frame: Frame, count: u32) -> Result<Accumulation> {
+        let size = frame.part.size();
+        let (job, mut film) = (self.job_of(size, count), self.series.session.film(size)?);
+        self.series.session.render(&job, &mut film, &mut Following::new(&self.link, orders, false))?;
+        Ok(film)
     }
 
     /// Adds samples to the image for a while, and shows it.
@@ -195,9 +200,7 @@ impl Rendering {
         let held = film.samples.range().end;
         let end = (held / RUN_LENGTH).saturating_add(runs.max(1)).saturating_mul(RUN_LENGTH).min(self.job.goal.end());
         let job = self.job_of(size, end);
-        let mut following = Following::new(&self.link, orders, &self.args.options, size);
-        following.is_of_image = true;
-        self.series.session.render(&job, &mut film, &mut following)?;
+        self.series.session.render(&job, &mut film, &mut Following::new(&self.link, orders, true))?;
         let new = film.samples.count().saturating_sub(held.into());
         self.pace = new as f64 / self.series.session.outcome.seconds.max(1e-9);
         self.film = Some((orders.revision, film));
@@ -229,7 +232,7 @@ impl Rendering {
         let (mut args, png) = (self.args.clone(), exr.with_extension("png"));
         let message = format!("saved {} and {}", exr.display(), png.display());
         (args.files.output, args.files.png) = (Some(exr), Some(png));
-        args.goal.spp = u32::try_from(film.samples.count()).ok();
+        args.goal.image.spp = u32::try_from(film.samples.count()).ok();
         args.view = ViewArgs { exposure: view.exposure, tonemap: view.tonemap };
         let saved = save(&args, &self.scene(orders)?, &self.series.session, film);
         let message = saved.map_or_else(|error| format!("error: {error}"), |()| message);
@@ -246,18 +249,30 @@ impl Rendering {
         let mut aov = Aovs::default();
         aov.set(vec![Aov::Depth0, Aov::Distance0, Aov::Object, Aov::Material]);
         self.view(orders, Frame { part, full }, &aov)?;
-        let (job, session) = (self.job_of(part.size(), 1), &mut self.series.session);
-        let mut film = session.film(part.size())?;
-        session.render(&job, &mut film, &mut ())?;
+        let film = self.render(orders, Frame { part, full }, 1)?;
         let channels = film.film.aovs().channels();
         let value = |aov| channels.iter().find(|channel| channel.aov == aov).map_or(0.0, |of| film.film.channel(0, of));
         // They count from 1.
         let name = |names: &[String], aov| names.get((value(aov) as usize).checked_sub(1)?).cloned();
-        let view = &session.scene;
+        let view = &self.series.session.scene;
         let names = name(&view.object_names, Aov::Object).zip(name(&view.material_names, Aov::Material));
-        let (distance, depth) = (f64::from(value(Aov::Distance0)), f64::from(value(Aov::Depth0)));
-        self.link.tell(|state| state.surface = Some(PixelSurface { pixel: (x, y), names, distance, depth }));
+        let (distance, depth) = (value(Aov::Distance0), names.as_ref().map(|_| f64::from(value(Aov::Depth0))));
+        let words = names.map_or("no surface".to_owned(), |(object, material)| {
+            format!("{object}\nmaterial {material}\ndistance {distance:.6}")
+        });
+        let surface = PixelSurface { pixel: (x, y), words: format!("{x}, {y}: {words}"), depth };
+        let turns = self.target() == Some(surface.pixel) && orders.camera.is_none();
+        self.link.tell(|state| {
+            depth.iter().filter(|_| turns).for_each(|depth| turn_around(&mut state.camera, *depth));
+            state.surface = Some(surface);
+        });
         Ok(())
+    }
+
+    /// The pixel that shows what the camera turns around, if the scene does not say it: files of other programs have no target.
+    fn target(&self) -> Option<(u32, u32)> {
+        let names_none = self.args.scene.path.extension().is_some_and(|ending| ending != "ron");
+        names_none.then_some((self.job.size.0 / 2, self.job.size.1 / 2))
     }
 
     /// Tells the window of a scene that has been read.
@@ -265,6 +280,7 @@ impl Rendering {
         let camera = Camera { moving: Vec::new(), ..self.read.camera.at(self.read.camera.shutter.0) };
         let (size, samples) = (self.job.size, u64::from(self.job.goal.end()));
         self.link.tell(|state| (state.camera, state.size, state.samples) = (camera, size, samples));
+        self.link.order(|orders| orders.pixel = self.target().or(orders.pixel));
     }
 
     fn follow_files(&mut self) {
@@ -278,20 +294,18 @@ impl Rendering {
         if self.series.changes.as_ref().is_some_and(|changes| changes.wait(ends).is_none()) {
             return;
         }
-        let read = self.series.load(&self.args);
-        let read = read.and_then(|read| Ok((frame_and_job(&self.args, &read, Instant::now())?.1, read)));
+        self.link.order(|orders| orders.revision += 1);
+        let read = self.read();
         self.follow_files();
-        let revision = self.link.order(|orders| {
-            orders.revision += 1;
-            orders.revision
-        });
-        match read {
-            Ok((job, read)) => {
-                (self.job, self.read) = (job, read);
-                self.tell_scene();
-            }
-            Err(error) => self.fail(&error, revision),
-        }
+        read.unwrap_or_else(|error| self.fail(&error, self.link.orders().revision));
+    }
+
+    fn read(&mut self) -> Result<()> {
+        let read = self.series.load(&self.args)?;
+        (_, self.job) = frame_and_job(&self.args, &read, Instant::now())?;
+        self.read = read;
+        self.tell_scene();
+        Ok(())
     }
 
     /// Shows an error. The next change tries again, with devices that open anew if one has failed.
@@ -308,10 +322,10 @@ impl Rendering {
 
 impl WindowArgs {
     fn into_render(self) -> RenderArgs {
-        let WindowArgs { scene, output, size, spp, paths, view, watch, mut options } = self;
+        let WindowArgs { scene, output, image, paths, view, watch, mut options } = self;
         options.aov.complete(is_gltf(&scene.path));
         let messages = MessageArgs { quiet: true, ..MessageArgs::default() };
-        let goal = GoalArgs { size, spp, ..GoalArgs::default() };
+        let goal = GoalArgs { image, ..GoalArgs::default() };
         let mut args = RenderArgs { scene, goal, paths, view, options, messages, ..RenderArgs::default() };
         (args.files.output, args.keep.watch) = (output, watch);
         args
@@ -343,9 +357,6 @@ fn unused(path: &Path) -> PathBuf {
 struct Following<'a> {
     link: &'a Link,
     orders: &'a Orders,
-    /// The options and the size of a film that begins anew.
-    options: &'a RenderOptions,
-    size: (u32, u32),
     /// Whether the image is rendered, which ends with a change and is shown meanwhile. A small picture is not.
     is_of_image: bool,
     /// The picture that pixels without samples are filled from.
@@ -354,9 +365,8 @@ struct Following<'a> {
 }
 
 impl Following<'_> {
-    fn new<'a>(link: &'a Link, orders: &'a Orders, options: &'a RenderOptions, size: (u32, u32)) -> Following<'a> {
-        let (before, next) = (link.state().shown, Instant::now() + PAUSE / 2);
-        Following { link, orders, options, size, is_of_image: false, before, next }
+    fn new<'a>(link: &'a Link, orders: &'a Orders, is_of_image: bool) -> Following<'a> {
+        Following { link, orders, is_of_image, before: link.state().shown, next: Instant::now() + PAUSE / 2 }
     }
 }
 
@@ -396,10 +406,11 @@ impl Observer for Following<'_> {
     }
 
     /// Goes on with an empty film.
-    fn lost(&mut self, why: &Error, view: &DeviceScene, _: &[Arc<Device>]) -> Option<Accumulation> {
+    fn lost(&mut self, why: &Error, _: &DeviceScene, _: &[Arc<Device>], film: &mut Accumulation) -> bool {
         let message = format!("{why}: the device is opened again");
         tell(&format!("warning: {message}"));
         self.link.tell(|state| state.message = message);
-        empty_film(view, self.size, self.options).ok().map(Accumulation::empty)
+        film.clear();
+        true
     }
 }
