@@ -42,8 +42,8 @@ fn large_sphere_line(ray: Ray, large_sphere: LargeSphere) -> LargeSphereLine {
 }
 
 // The distances at which the ray's line crosses the large sphere, the smaller first; NO_HIT twice if it misses. A tangent ray
-// that starts at its point of contact gives NaN, which fails every comparison. One root would suffer cancellation; it is
-// computed from the product of both.
+// that starts at its point of contact gives NaN or 0, which is no hit. One root would suffer cancellation; it is computed from
+// the product of both, and is as far away as the other one at most (geometry/sphere_chord).
 fn large_sphere_crossings(ray: Ray, large_sphere: LargeSphere) -> vec2<f32> {
     let line = large_sphere_line(ray, large_sphere);
     if !(line.discriminant >= 0.0) {
@@ -52,7 +52,7 @@ fn large_sphere_crossings(ray: Ray, large_sphere: LargeSphere) -> vec2<f32> {
     let h = sqrt(line.discriminant);
     let q = select(-h, h, line.slope <= 0.0) - line.slope;
     let far_from_zero = q / large_sphere.curvature;
-    let near_to_zero = line.power / q;
+    let near_to_zero = clamp(line.power / q, -abs(far_from_zero), abs(far_from_zero));
     return vec2<f32>(min(far_from_zero, near_to_zero), max(far_from_zero, near_to_zero));
 }
 

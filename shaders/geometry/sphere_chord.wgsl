@@ -29,8 +29,9 @@ fn sphere_foot(ray: Ray, sphere: Sphere) -> SphereFoot {
 }
 
 // The distances at which the ray's line crosses the sphere, the smaller first; NO_HIT twice if it misses. A tangent ray
-// that starts at its point of contact gives NaN, which fails every comparison. One root would suffer cancellation; it is
-// computed from the product of both.
+// that starts at its point of contact gives NaN or 0, which is no hit. One root would suffer cancellation; it is computed from
+// the product of both. Where that product is all rounding, as of a ray that leaves the sphere and only touches it, the root is as
+// far away as the other one at most.
 fn sphere_crossings(ray: Ray, sphere: Sphere) -> vec2<f32> {
     let foot = sphere_foot(ray, sphere);
     if !(foot.discriminant >= 0.0) {
@@ -41,7 +42,7 @@ fn sphere_crossings(ray: Ray, sphere: Sphere) -> vec2<f32> {
     let d = ray.direction;
     let length_f = length(ray.origin - sphere.center);
     let product = (length_f - sphere.radius) * (length_f + sphere.radius) / dot(d, d);
-    let near_to_zero = product / far_from_zero;
+    let near_to_zero = clamp(product / far_from_zero, -abs(far_from_zero), abs(far_from_zero));
     return vec2<f32>(min(far_from_zero, near_to_zero), max(far_from_zero, near_to_zero));
 }
 

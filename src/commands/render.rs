@@ -27,14 +27,16 @@ pub use args::RenderArgs;
 use last_write::LastWrite;
 use observers::Observers;
 use record::{Clock, per_sample, record, report};
-pub use record::{Finish, attributes_of, save};
+pub use record::{Finish, attributes_of};
+pub use request::excluded;
 use request::{Request, denoising_of};
-pub use request::{excluded, frame_and_job};
 use resume::starting_film;
 pub use series::{Reported, Series};
 pub use summary::{error_words, matte_warning, noise_words, reliability_warnings};
 use summary::{rejected_words, summarise};
 use viewers::Viewers;
+#[cfg(feature = "window")]
+pub use {record::save, request::frame_and_job};
 
 /// Renders the scene once, or whenever it changes, or for each frame of it.
 pub fn run(args: &RenderArgs, start: Instant) -> Result<()> {

@@ -5,7 +5,6 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::args::RenderArgs;
 use super::request::Request;
 use crate::aov::Aov;
 use crate::commands::console::{command_line, object, path_text};
@@ -17,7 +16,6 @@ use crate::options::Word;
 use crate::output::exr::{Attribute, State};
 use crate::render::{NOISE_LEVEL, Noise};
 use crate::samples::Samples;
-use crate::scene::Scene;
 use crate::session::Session;
 
 /// The result of a render, or of films that were joined.
@@ -208,7 +206,13 @@ pub fn write_film(request: &Request<'_>, film: &Accumulation, record: &Map<Strin
 ///
 /// # Errors
 /// As of `render`, where a file cannot be written.
-pub fn save(args: &RenderArgs, scene: &Scene, session: &Session, film: &Accumulation) -> Result<()> {
+#[cfg(feature = "window")]
+pub fn save(
+    args: &super::args::RenderArgs,
+    scene: &crate::scene::Scene,
+    session: &Session,
+    film: &Accumulation,
+) -> Result<()> {
     let mut request = Request::new(args, scene, Instant::now())?;
     request.take(&session.scene)?;
     let record = record(&request, session.numerics()?, &Finish::new(film, None, true), &Seconds::default());
