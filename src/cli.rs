@@ -29,7 +29,7 @@ pub struct SceneArgs {
     pub gltf: GltfArgs,
 }
 
-/// What a scene file says of its image, in place of that.
+/// The size of the image and its samples, in place of those of the scene file.
 #[derive(Clone, Debug, Default, Args)]
 pub struct ImageArgs {
     #[arg(long, value_name = "N", value_parser = samples(), help = SPP.about, long_help = SPP.help(),

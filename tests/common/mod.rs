@@ -34,6 +34,7 @@ pub mod microfacets;
 pub mod mutate;
 pub mod oidn;
 pub mod oracles;
+pub mod paired;
 pub mod program;
 pub mod quads;
 pub mod referee;

@@ -37,6 +37,7 @@ mod parted_lights;
 mod projections;
 mod recipe;
 mod references;
+mod rounding;
 mod same_bytes;
 mod scheduling;
 mod sobol;
