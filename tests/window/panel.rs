@@ -55,16 +55,16 @@ struct Viewer {
 impl Viewer {
     /// Opens the scene with more options.
     fn open(options: &str) -> Viewer {
-        Viewer::with(SCENE, |_| (), options)
+        Viewer::with("scene.ron", SCENE, |_| (), options)
     }
 
-    /// Opens a scene beside more files.
-    fn with(scene: &str, write: impl FnOnce(&Path), options: &str) -> Viewer {
+    /// Opens a scene of this name beside more files.
+    fn with(name: &str, scene: &str, write: impl FnOnce(&Path), options: &str) -> Viewer {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        fs::write(folder.path().join("scene.ron"), scene).expect("the scene is written");
+        fs::write(folder.path().join(name), scene).expect("the scene is written");
         write(folder.path());
         let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-        let line = format!("view {} -o {} --device {} {options}", at("scene.ron"), at("a.exr"), index());
+        let line = format!("view {} -o {} --device {} {options}", at(name), at("a.exr"), index());
         let args = Line::try_parse_from(words(&line)).expect("it is a command line").args;
         let link = Arc::<Link>::default();
         let rendering = Rendering::open(&args, Arc::clone(&link)).expect("the scene is valid");
@@ -89,7 +89,7 @@ impl Viewer {
                 self.harness.step();
                 return state;
             }
-            assert!(begin.elapsed() < LIMIT, "never: {what}: {state:?}");
+            assert!(begin.elapsed() < LIMIT, "never: {what}: {:?}", ViewState { shown: None, ..state });
             sleep(Duration::from_millis(5));
         }
     }
@@ -396,6 +396,7 @@ fn a_save_of_the_scene_keeps_the_camera() {
 fn a_save_of_a_mesh_shows_it() {
     let quad = |x: f32| format!("v {x} 0 2\nv {} 0 2\nv {} 2 2\nv {x} 2 2\nf 1 2 3 4\n", x + 2.0, x + 2.0);
     let mut viewer = Viewer::with(
+        "scene.ron",
         &SCENE.replace("objects: [", "objects: [Mesh(path: \"quad.obj\", material: \"grey\"),"),
         |folder| {
             fs::write(folder.join("quad.obj"), quad(-1.0)).expect("the mesh is written");
@@ -411,6 +412,37 @@ fn a_save_of_a_mesh_shows_it() {
     fs::write(viewer.path("quad.obj"), quad(20.0)).unwrap();
     viewer.until("the save", |state| state.shown.as_ref().is_some_and(|shown| shown.revision == 1));
     assert!(red(viewer.until_samples(8)));
+}
+
+/// The camera of a file without a target turns around what the middle of the image shows, after each reading; one that was moved stays.
+#[test]
+fn a_file_without_a_target_gets_one() {
+    let scene = |radius: f64| {
+        format!(
+            "<scene version=\"3.0.0\"><sensor type=\"perspective\"><transform name=\"to_world\">
+                <lookat origin=\"0, 0, 6\" target=\"0, 0, 5\" up=\"0, 1, 0\"/></transform>
+                <film type=\"hdrfilm\"><integer name=\"width\" value=\"96\"/><integer name=\"height\" value=\"64\"/></film></sensor>
+            <emitter type=\"constant\"/><shape type=\"sphere\"><float name=\"radius\" value=\"{radius}\"/></shape></scene>"
+        )
+    };
+    let mut viewer = Viewer::with("scene.xml", &scene(1.0), |_| (), "--spp 8 --watch");
+    for (radius, revision) in [(1.0, 0), (2.0, 1)] {
+        if revision > 0 {
+            fs::write(viewer.path("scene.xml"), scene(radius)).unwrap();
+        }
+        // The middle of the image is a corner of the pixel.
+        viewer.until("the target", |state| (state.camera.look_at.z - radius).abs() < 0.01);
+        viewer.until_samples(8);
+        assert_eq!(viewer.harness.state().camera.look_at, viewer.link.state().camera.look_at);
+        assert_eq!(viewer.link.orders().revision, revision, "a target is no other image");
+    }
+    viewer.drag(40.0, 0.0);
+    viewer.until_samples(8);
+    let (camera, before) = (viewer.harness.state().camera.clone(), viewer.link.orders().revision);
+    fs::write(viewer.path("scene.xml"), scene(1.0)).unwrap();
+    viewer.until("the save", |state| state.shown.as_ref().is_some_and(|shown| shown.revision > before));
+    viewer.until_samples(8);
+    assert!(viewer.harness.state().camera == camera && (camera.look_at.z - 2.0).abs() < 0.01, "{camera:?}");
 }
 
 #[test]
