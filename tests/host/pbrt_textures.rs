@@ -162,6 +162,54 @@ fn values_are_those_of_pbrt() {
     }
 }
 
+/// What a leaf reflects and lets pass, at each texel: the parts of a matt body that passes a share of its light.
+#[test]
+fn leaves_have_textures() {
+    let passed = Colour::new(0.25, 0.5, 0.125);
+    let leaf = |more: &str| {
+        let files = files(&format!(
+            "{T} Texture \"u\" \"spectrum\" \"constant\" \"rgb value\" [0 0 0] Material \"diffusetransmission\"
+             \"texture reflectance\" \"t\" {more} Shape \"sphere\""
+        ));
+        (load(&files.path().join("a.pbrt"), false).unwrap_or_else(|error| panic!("{error}")), files)
+    };
+    let rgb = "\"rgb transmittance\" [.25 .5 .125]";
+    let more = |told: &[&str], scene: &Scene| {
+        let warnings = scene.warnings();
+        assert!(
+            warnings.len() == told.len() && warnings.iter().zip(told).all(|(own, told)| own.contains(told)),
+            "{warnings:?}"
+        );
+    };
+    let parts = |scene: &Scene| {
+        let found = scene.materials.iter().find_map(|(_, material)| match material {
+            Material::Pbr(pbr) => Some(pbr),
+            _ => None,
+        });
+        let own = found.expect("a leaf");
+        [&own.base_color, &own.diffuse_transmission, &own.diffuse_transmission_color].map(|part| values(part, scene))
+    };
+    for (scale, told) in [(0.5, "between texels"), (1.0, "more light than it gets")] {
+        let (scene, _files) = leaf(&format!("{rgb} \"float scale\" {scale}"));
+        more(&[told], &scene);
+        let [base, through, far] = parts(&scene);
+        assert_eq!(through.len(), 6);
+        for index in 0..6 {
+            let (reflected, passed) = (scale * srgb(index), scale * passed);
+            // Where the sum is above 1, both are divided by it.
+            let sum = (reflected.max_element() + passed.max_element()).max(1.0);
+            let found = [(1.0 - through[index].x) * base[index], through[index].x * far[index]];
+            for (found, expected) in found.into_iter().zip([reflected, passed]) {
+                assert!((found - expected / sum).abs().max_element() < 1e-6, "{index}: {found} {expected} {sum}");
+            }
+        }
+    }
+    let (scene, _files) = leaf("\"texture transmittance\" \"t\" \"float scale\" 0.5");
+    more(&["multiplied at texels", "between texels"], &scene);
+    let [base, through, far] = parts(&scene);
+    assert!((1..6).all(|index| through[index].x == 0.5 && base[index] == far[index]), "{through:?}");
+}
+
 /// A number is the mean of colours, or an alpha that is not 1 everywhere, by the encoding of the directive. What has the right codes keeps them.
 #[test]
 fn numbers_are_decoded_as_pbrt_does() {

@@ -1,8 +1,10 @@
 //! Materials.
 
+use std::cell::Cell;
+
 use super::params::{Params, Spectrum};
 use super::reader::{AS_THEY_ARE, Reader};
-use super::texture::{number_or, texture_or};
+use super::texture::{baked, number_or, texture_or};
 use crate::error::Result;
 use crate::printable::quote;
 use crate::scene::imported::surface::Facets;
@@ -126,26 +128,45 @@ fn coated(params: &Params, reader: &mut Reader) -> Result<Material> {
 /// A matt body that lets light pass.
 fn translucent(params: &Params, reader: &mut Reader) -> Result<Material> {
     let scale = params.number_or("scale", 1.0)?;
-    let wrong = |name| move || params.error_at(name, "a texture of diffusetransmission is not read");
-    let mut share = |name| Ok(scale * texture_or(params, name, 0.25, reader)?.plain().ok_or_else(wrong(name))?);
-    let (reflected, passed) = (share("reflectance")?, share("transmittance")?);
-    let (of_reflected, of_passed) = (reflected.max_element(), passed.max_element());
-    let sum = of_reflected + of_passed;
-    if sum > 1.0 {
-        return Err(params.error(format!("expected a reflectance and transmittance of 1 at most, found {sum}")));
+    let mut share = |name| texture_or(params, name, 0.25, reader);
+    let parts = [share("reflectance")?, share("transmittance")?];
+    let most = Cell::new(0.0_f64);
+    let mut part = |is_colour, of: fn([Colour; 2]) -> Colour| {
+        let kept = |parts: [Colour; 2]| {
+            let parts = parts.map(|part| (scale * part).min(Colour::ONE));
+            let sum: f64 = parts.map(Colour::max_element).iter().sum();
+            most.set(most.get().max(sum));
+            of(parts.map(|part| part / sum.max(1.0))).min(Colour::ONE)
+        };
+        baked(params, is_colour, parts.clone(), kept, reader)
+    };
+    let diffuse_transmission = part(false, |parts| Colour::splat(share_of(parts)))?;
+    let base_color = part(true, |parts| over(parts[0], 1.0 - share_of(parts)))?;
+    let diffuse_transmission_color = part(true, |parts| over(parts[1], share_of(parts)))?;
+    let is_image = parts.iter().any(|part| part.decoded().is_some());
+    match most.get() {
+        sum if sum > 1.0 && !is_image => {
+            return Err(params.error(format!("expected a reflectance and transmittance of 1 at most, found {sum}")));
+        }
+        sum if sum > 1.0 => {
+            reader.lose(params, "", "where it would scatter more light than it gets, both parts are less here");
+        }
+        _ if is_image => reader.lose(params, "", "between texels its parts differ a little here"),
+        _ => {}
     }
-    // The share that passes of all that the body scatters.
-    let through = if sum > 0.0 { of_passed / sum } else { 0.0 };
-    let over = |colour: Colour, share: f64| if share > 0.0 { colour / share } else { Colour::ZERO };
-    let (base, far) = (over(reflected, 1.0 - through), over(passed, through));
-    Ok(Material::Pbr(Pbr {
-        base_color: base.into(),
-        metallic: Texture::grey(0.0),
-        specular: Texture::grey(0.0),
-        diffuse_transmission: Texture::grey(through),
-        diffuse_transmission_color: far.into(),
-        ..Pbr::default()
-    }))
+    let (metallic, specular) = (Texture::grey(0.0), Texture::grey(0.0));
+    let own = Pbr { base_color, diffuse_transmission, diffuse_transmission_color, ..Pbr::default() };
+    Ok(Material::Pbr(Pbr { metallic, specular, ..own }))
+}
+
+/// The share that passes of all that a body scatters which reflects and passes these colours.
+fn share_of([reflected, passed]: [Colour; 2]) -> f64 {
+    let (reflected, passed) = (reflected.max_element(), passed.max_element());
+    if passed > 0.0 { passed / (reflected + passed) } else { 0.0 }
+}
+
+fn over(colour: Colour, share: f64) -> Colour {
+    if share > 0.0 { colour / share } else { Colour::ZERO }
 }
 
 fn conductor(params: &Params, reader: &mut Reader) -> Result<Material> {

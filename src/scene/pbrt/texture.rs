@@ -115,7 +115,7 @@ fn image_map(is_colour: bool, params: &Params, reader: &mut Reader) -> Result<Te
 
 /// A texture whose values are `of` those of others: where they are images, an image that no file has. pbrt takes `of` what it interpolates between texels,
 /// which is the same unless an image is multiplied by the last one.
-fn baked<const N: usize>(
+pub fn baked<const N: usize>(
     params: &Params,
     is_colour: bool,
     parts: [Texture; N],
