@@ -43,7 +43,7 @@ fn large_sphere_line(ray: Ray, large_sphere: LargeSphere) -> LargeSphereLine {
 
 // The distances at which the ray's line crosses the large sphere, the smaller first; NO_HIT twice if it misses. A tangent ray
 // that starts at its point of contact gives NaN or 0, which is no hit. One root would suffer cancellation; it is computed from
-// the product of both, and is as far away as the other one at most (geometry/sphere_chord).
+// the product of both, and clamped (geometry/sphere_chord).
 fn large_sphere_crossings(ray: Ray, large_sphere: LargeSphere) -> vec2<f32> {
     let line = large_sphere_line(ray, large_sphere);
     if !(line.discriminant >= 0.0) {

@@ -30,8 +30,8 @@ fn sphere_foot(ray: Ray, sphere: Sphere) -> SphereFoot {
 
 // The distances at which the ray's line crosses the sphere, the smaller first; NO_HIT twice if it misses. A tangent ray
 // that starts at its point of contact gives NaN or 0, which is no hit. One root would suffer cancellation; it is computed from
-// the product of both. Where that product is all rounding, as of a ray that leaves the sphere and only touches it, the root is as
-// far away as the other one at most.
+// the product of both. Rounding can make the product too large, where a ray leaves the sphere and only touches it. So the root is
+// clamped: it is the nearer one to zero.
 fn sphere_crossings(ray: Ray, sphere: Sphere) -> vec2<f32> {
     let foot = sphere_foot(ray, sphere);
     if !(foot.discriminant >= 0.0) {

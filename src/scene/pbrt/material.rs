@@ -159,7 +159,7 @@ fn translucent(params: &Params, reader: &mut Reader) -> Result<Material> {
     Ok(Material::Pbr(Pbr { metallic, specular, ..own }))
 }
 
-/// The share that passes of all that a body scatters which reflects and passes these colours.
+/// The share of its scattered light that a body passes, by the colours that it reflects and passes.
 fn share_of([reflected, passed]: [Colour; 2]) -> f64 {
     let (reflected, passed) = (reflected.max_element(), passed.max_element());
     if passed > 0.0 { passed / (reflected + passed) } else { 0.0 }
