@@ -128,8 +128,8 @@ driver: toolchain
 
 # A display that nobody sees, with a mouse, and what a window loads.
 display:
-	@{ command -v Xvfb && command -v xdotool; } >/dev/null || \
-		$(call install, xvfb xdotool libegl1 libgl1 libgl1-mesa-dri libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0 libxrandr2, no Xvfb with xdotool is here)
+	@{ command -v Xvfb && command -v xdotool && command -v weston; } >/dev/null || \
+		$(call install, xvfb xdotool weston libegl1 libgl1 libgl1-mesa-dri libwayland-egl1 libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0 libxrandr2, no Xvfb with xdotool and no weston are here)
 
 # Open Image Denoise, which the tests denoise with, unless OIDN_DIR names its folder. Python only fetches it and checks its hash.
 oidn: pip

@@ -1,6 +1,7 @@
 //! A real window, on a display that nobody sees: Xvfb, with the mouse and the keys of xdotool.
 
 use std::io::{BufRead, BufReader};
+use std::os::unix::fs::PermissionsExt;
 use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::thread::{sleep, spawn};
@@ -55,24 +56,31 @@ struct Opened {
 
 impl Opened {
     fn new(display: &Display, options: &str, fault: Option<&Fault>) -> Opened {
+        let mut opened = Opened::with(options, |program| {
+            program.env("DISPLAY", &display.name).env_remove("WAYLAND_DISPLAY");
+            if let Some(fault) = fault {
+                fault.put_under(program);
+            }
+        });
+        opened.until("the window", |_| display.tool("search --onlyvisible --name sphere").is_some());
+        // No window manager does that here.
+        opened.until("the focus", |_| display.tool("search --name sphere windowfocus --sync %1").is_some());
+        opened
+    }
+
+    /// Starts the program in another environment.
+    fn with(options: &str, change: impl FnOnce(&mut Command)) -> Opened {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let scene = SPHERE.replace("(width: 20, height: 12)", "(width: 320, height: 200)");
         std::fs::write(folder.path().join("sphere.ron"), scene).expect("the scene is written");
         let line = format!("view sphere.ron --device {} {options}", index());
         let mut program = command(folder.path(), &words(&line));
-        program.env("DISPLAY", &display.name).env_remove("WAYLAND_DISPLAY").env("LIBGL_ALWAYS_SOFTWARE", "1");
-        if let Some(fault) = fault {
-            fault.put_under(&mut program);
-        }
+        change(program.env("LIBGL_ALWAYS_SOFTWARE", "1"));
         let mut child = program.spawn().expect("the program starts");
         let said = Arc::<Mutex<String>>::default();
         let (theirs, errors) = (Arc::clone(&said), BufReader::new(child.stderr.take().expect("it is a pipe")));
         spawn(move || errors.lines().map_while(Result::ok).for_each(|line| *theirs.lock().unwrap() += &(line + "\n")));
-        let mut opened = Opened { child, said, folder };
-        opened.until("the window", |_| display.tool("search --onlyvisible --name sphere").is_some());
-        // No window manager does that here.
-        opened.until("the focus", |_| display.tool("search --name sphere windowfocus --sync %1").is_some());
-        opened
+        Opened { child, said, folder }
     }
 
     fn said(&self) -> String {
@@ -189,6 +197,43 @@ fn without_a_display_the_arguments_are_to_blame() {
         let words = ["error: there is no display", "`gpu-rt render --preview`"];
         let ran = crate::common::program::ran(&mut program).exits(2).on_stderr(&words);
         assert!(!ran.stderr.contains(".rs:"), "a message names no source: {}", ran.stderr);
+    }
+}
+
+/// Weston without a screen: the window opens, closes by a signal, and says when Wayland has gone.
+#[test]
+fn on_wayland_the_window_opens_and_ends() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::set_permissions(folder.path(), std::fs::Permissions::from_mode(0o700)).expect("the folder is ours");
+    let mut weston = Command::new("weston");
+    weston.args(["--backend=headless-backend.so", "--socket=wayland-test", "--idle-time=0"]);
+    weston.env("XDG_RUNTIME_DIR", folder.path()).stdout(Stdio::null()).stderr(Stdio::null());
+    let server = weston.spawn().expect("weston starts: apt-get install weston");
+    let mut display = Display { server, name: "wayland-test".to_owned() };
+    let socket = folder.path().join(&display.name);
+    let begin = Instant::now();
+    while !socket.exists() {
+        assert!(begin.elapsed() < LIMIT, "weston does not listen");
+        sleep(Duration::from_millis(20));
+    }
+    for goes in [false, true] {
+        let mut opened = Opened::with("--spp 1000000", |program| {
+            program.env_remove("DISPLAY").env("WAYLAND_DISPLAY", &display.name).env("XDG_RUNTIME_DIR", folder.path());
+            // Each request is told, as well the one that shows the first picture.
+            program.env("WAYLAND_DEBUG", "1");
+        });
+        opened.until("the window", |opened| {
+            opened.said().lines().any(|line| line.contains(".attach(") || line.contains(".commit("))
+        });
+        match goes {
+            true => display.server.kill().expect("it is killed"),
+            false => send(&opened.child, libc::SIGTERM),
+        }
+        let (status, said) = opened.end();
+        let told: Vec<&str> = said.lines().filter(|line| line.starts_with("error: ")).collect();
+        let (expected, words) =
+            if goes { (1, "error: the display has failed") } else { (143, "error: interrupted by SIGTERM") };
+        assert!(status == Some(expected) && told.len() == 1 && told[0].starts_with(words), "{status:?} {told:?}");
     }
 }
 

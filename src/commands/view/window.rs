@@ -111,7 +111,9 @@ pub fn run(args: &WindowArgs) -> Result<()> {
     }
     let result = match opened {
         _ if signals.have_come() => Err(signals.interrupted("the window is closed")),
-        Ok(result) => result.map_err(|error| explained(&error)),
+        Ok(Ok(())) => Ok(()),
+        Ok(Err(error)) if link.repaint.get().is_none() => Err(explained(&error)),
+        Ok(Err(error)) => Err(Error::Device(format!("the display has failed: {error}"))),
         Err(reason) => Err(Error::Device(format!("the display has failed: {reason}"))),
     };
     if !renderer.is_finished() {
