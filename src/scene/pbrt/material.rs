@@ -143,16 +143,16 @@ fn translucent(params: &Params, reader: &mut Reader) -> Result<Material> {
     let diffuse_transmission = part(false, |parts| Colour::splat(share_of(parts)))?;
     let base_color = part(true, |parts| over(parts[0], 1.0 - share_of(parts)))?;
     let diffuse_transmission_color = part(true, |parts| over(parts[1], share_of(parts)))?;
-    let is_image = parts.iter().any(|part| part.decoded().is_some());
-    match most.get() {
-        sum if sum > 1.0 && !is_image => {
-            return Err(params.error(format!("expected a reflectance and transmittance of 1 at most, found {sum}")));
-        }
-        sum if sum > 1.0 => {
-            reader.lose(params, "", "where it would scatter more light than it gets, both parts are less here");
-        }
-        _ if is_image => reader.lose(params, "", "between texels its parts differ a little here"),
-        _ => {}
+    let (sum, images) = (most.get(), parts.iter().filter(|part| part.decoded().is_some()).count());
+    if sum > 1.0 && images == 0 {
+        return Err(params.error(format!("expected a reflectance and transmittance of 1 at most, found {sum}")));
+    }
+    if sum > 1.0 {
+        reader.lose(params, "", "where it would scatter more light than it gets, both parts are less here");
+    }
+    // Of two images, the reader of textures tells it.
+    if images == 1 {
+        reader.lose(params, "", "its parts are divided at texels here: between them they differ");
     }
     let (metallic, specular) = (Texture::grey(0.0), Texture::grey(0.0));
     let own = Pbr { base_color, diffuse_transmission, diffuse_transmission_color, ..Pbr::default() };
