@@ -27,6 +27,7 @@ use crate::commands::signals::{Signals, WAIT};
 use crate::error::{Error, Result};
 use crate::film::UNKNOWN_VARIANCE;
 use crate::guard::caught;
+use crate::options::Word;
 use crate::output::view_transform::{Tonemap, ViewTransform};
 use crate::printable::percent;
 use crate::scene::Camera;
@@ -278,13 +279,13 @@ impl Window {
     fn picture_settings(&mut self, ui: &mut Ui, state: &ViewState) {
         ui.heading("Picture");
         number(ui, "Exposure, stops", &mut self.view.exposure, -100.0..=100.0);
-        let curves = Tonemap::value_variants().iter().map(|curve| (*curve, word(curve)));
+        let curves = Tonemap::value_variants().iter().map(|curve| (*curve, curve.word()));
         choice(ui, "Curve", &mut self.view.tonemap, curves.collect());
         let mut layers = vec![
             (PictureLayer::Radiance, "radiance".to_owned()),
             (PictureLayer::Error, "error, 0.1 % to 100 %".to_owned()),
         ];
-        layers.extend(AOVS.map(|aov| (PictureLayer::Of { aov, number: 0 }, word(&aov))));
+        layers.extend(AOVS.map(|aov| (PictureLayer::Of { aov, number: 0 }, aov.word())));
         let lights = state.shown.iter().flat_map(|shown| shown.lights.iter().cloned()).enumerate();
         layers.extend(lights.map(|(number, name)| (PictureLayer::Of { aov: Aov::Lights, number }, name)));
         let mut layer = self.link.orders().layer;
@@ -365,11 +366,6 @@ impl Window {
         let image = ColorImage::new([width.div_ceil(step), height.div_ceil(step)], pixels);
         self.texture.insert((ui.ctx().load_texture("image", image, options), Arc::clone(shown), self.view)).0.id()
     }
-}
-
-/// How the command line names a value.
-fn word(value: &impl ValueEnum) -> String {
-    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
 /// A number with its name. Returns whether the user has changed it: a value of the scene stays, even beyond the range.
