@@ -192,14 +192,13 @@ impl Rendering {
     /// Adds samples to the image for a while, and shows it.
     fn render_more(&mut self, orders: &Orders) -> Result<()> {
         self.view_image(orders)?;
-        let size = self.job.size;
         let kept = self.film.take().filter(|(of, _)| *of == orders.revision);
-        let mut film = kept.map_or_else(|| self.series.session.film(size), |(_, film)| Ok(film))?;
+        let mut film = kept.map_or_else(|| self.series.session.film(self.job.size), |(_, film)| Ok(film))?;
         // A range of whole runs, so that the image is that of one render.
         let runs = (PAUSE.as_secs_f64() * self.pace) as u32 / RUN_LENGTH;
         let held = film.samples.range().end;
         let end = (held / RUN_LENGTH).saturating_add(runs.max(1)).saturating_mul(RUN_LENGTH).min(self.job.goal.end());
-        let job = self.job_of(size, end);
+        let job = self.job_of(self.job.size, end);
         self.series.session.render(&job, &mut film, &mut Following::new(&self.link, orders, true))?;
         let new = film.samples.count().saturating_sub(held.into());
         self.pace = new as f64 / self.series.session.outcome.seconds.max(1e-9);
