@@ -134,10 +134,11 @@ impl Session {
         self.outcome = Outcome::default();
         let rendered = self.attempt(job, film, observer);
         let Err(error @ Error::Device(_)) = &rendered else { return rendered };
-        let goes_on = self.is_ready() && observer.lost(error, &self.scene, &self.devices, film);
-        // If the devices do not open, the first failure is reported.
-        let (true, Ok(devices)) = (goes_on, self.opened_again()) else { return rendered };
-        (self.devices, self.ready, self.before) = (devices, None, None);
+        let kept = if self.is_ready() { observer.lost(error, &self.scene, &self.devices, film) } else { None };
+        // If the devices do not open, the first failure is reported, and the film stays.
+        let (Some(kept), Ok(devices)) = (kept, self.opened_again()) else { return rendered };
+        (*film, self.devices) = (kept, devices);
+        (self.ready, self.before) = (None, None);
         self.attempt(job, film, observer)
     }
 

@@ -33,10 +33,10 @@ pub trait Observer: Send {
         Next::GoOn
     }
 
-    /// A device has failed while it rendered. Returns whether the render goes on with the film of this view once the devices are opened again:
-    /// without samples, or with those that the observer has kept. Else the render ends with the error.
-    fn lost(&mut self, _why: &Error, _view: &DeviceScene, _devices: &[Arc<Device>], _film: &mut Accumulation) -> bool {
-        false
+    /// One of the devices has failed, with this error, while they rendered this film of the view. The result is the film to go on with once they are
+    /// opened again; `None` ends the render with the error.
+    fn lost(&mut self, _: &Error, _: &DeviceScene, _: &[Arc<Device>], _: &Accumulation) -> Option<Accumulation> {
+        None
     }
 }
 

@@ -168,13 +168,12 @@ fn leaves_have_textures() {
     let passed = Colour::new(0.25, 0.5, 0.125);
     let leaf = |more: &str| {
         let files = files(&format!(
-            "{T} Texture \"u\" \"spectrum\" \"constant\" \"rgb value\" [0 0 0] Material \"diffusetransmission\"
-             \"texture reflectance\" \"t\" {more} Shape \"sphere\""
+            "{T} Material \"diffusetransmission\" \"texture reflectance\" \"t\" {more} Shape \"sphere\""
         ));
         (load(&files.path().join("a.pbrt"), false).unwrap_or_else(|error| panic!("{error}")), files)
     };
     let rgb = "\"rgb transmittance\" [.25 .5 .125]";
-    let more = |told: &[&str], scene: &Scene| {
+    let tells = |told: &[&str], scene: &Scene| {
         let warnings = scene.warnings();
         assert!(
             warnings.len() == told.len() && warnings.iter().zip(told).all(|(own, told)| own.contains(told)),
@@ -192,7 +191,7 @@ fn leaves_have_textures() {
     let divided = "divided at texels";
     for (scale, told) in [(0.5, &[divided] as &[&str]), (1.0, &["more light than it gets", divided])] {
         let (scene, _files) = leaf(&format!("{rgb} \"float scale\" {scale}"));
-        more(told, &scene);
+        tells(told, &scene);
         let [base, through, far] = parts(&scene);
         assert_eq!(through.len(), 6);
         for index in 0..6 {
@@ -206,7 +205,7 @@ fn leaves_have_textures() {
         }
     }
     let (scene, _files) = leaf("\"texture transmittance\" \"t\" \"float scale\" 0.5");
-    more(&["multiplied at texels"], &scene);
+    tells(&["multiplied at texels"], &scene);
     let [base, through, far] = parts(&scene);
     assert!((1..6).all(|index| through[index].x == 0.5 && base[index] == far[index]), "{through:?}");
 }

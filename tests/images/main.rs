@@ -37,6 +37,7 @@ mod parted_lights;
 mod projections;
 mod recipe;
 mod references;
+#[cfg(target_os = "linux")]
 mod rounding;
 mod same_bytes;
 mod scheduling;

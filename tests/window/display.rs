@@ -1,4 +1,4 @@
-//! A real window, on a display that nobody sees: Xvfb, with the mouse and the keys of xdotool.
+//! A real window, on displays that nobody sees: Xvfb, with the mouse and the keys of xdotool, and Weston.
 
 use std::io::{BufRead, BufReader};
 use std::os::unix::fs::PermissionsExt;
@@ -219,7 +219,7 @@ fn on_wayland_the_window_opens_and_ends() {
     for goes in [false, true] {
         let mut opened = Opened::with("--spp 1000000", |program| {
             program.env_remove("DISPLAY").env("WAYLAND_DISPLAY", &display.name).env("XDG_RUNTIME_DIR", folder.path());
-            // Each request is told, as well the one that shows the first picture.
+            // The library of Wayland prints each request: the first picture is one.
             program.env("WAYLAND_DEBUG", "1");
         });
         opened.until("the window", |opened| {

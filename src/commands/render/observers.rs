@@ -183,13 +183,12 @@ impl Observer for Observers<'_> {
         }
     }
 
-    fn lost(&mut self, why: &Error, view: &DeviceScene, devices: &[Arc<Device>], film: &mut Accumulation) -> bool {
+    fn lost(&mut self, why: &Error, view: &DeviceScene, on: &[Arc<Device>], _: &Accumulation) -> Option<Accumulation> {
         if self.signals.are_pending() {
-            return false;
+            return None;
         }
         self.progress.message(&format!("warning: {why}; the device is opened once more"));
-        let kept = self.kept().and_then(|kept| starting_film(self.request, kept.as_ref(), view, devices));
-        kept.map(|kept| *film = kept).is_ok()
+        starting_film(self.request, self.kept().ok()?.as_ref(), view, on).ok()
     }
 }
 

@@ -150,7 +150,7 @@ fn translucent(params: &Params, reader: &mut Reader) -> Result<Material> {
     if sum > 1.0 {
         reader.lose(params, "", "where it would scatter more light than it gets, both parts are less here");
     }
-    // Of two images, the reader of textures tells it.
+    // Where both are images, `baked` tells it.
     if images == 1 {
         reader.lose(params, "", "its parts are divided at texels here: between them they differ");
     }

@@ -39,7 +39,7 @@ pub struct Shown {
     /// Whether it is a small one, for the time until the next.
     pub is_small: bool,
     /// The least squared radiance that an error is relative to.
-    floor: f64,
+    pub floor: f64,
     pub samples: u64,
     /// Samples of all pixels per second.
     pub pace: f64,

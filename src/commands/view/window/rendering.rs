@@ -175,9 +175,7 @@ impl Rendering {
         let count = ((self.small_pace * SMALL_TIME) as u32).clamp(1, RUN_LENGTH);
         let film = self.render(orders, frame, count)?;
         self.small_pace = f64::from(count) / begin.elapsed().as_secs_f64();
-        let mut shown = Shown::new(&film.film, orders.layer, None);
-        shown.is_small = true;
-        self.show(orders, shown);
+        self.show(orders, Shown { is_small: true, ..Shown::new(&film.film, orders.layer, None) });
         Ok(())
     }
 
@@ -268,10 +266,10 @@ impl Rendering {
         Ok(())
     }
 
-    /// The pixel that shows what the camera turns around, if the scene does not say it: files of other programs have no target.
+    /// The pixel in the middle, if the camera turns around what it shows: files of other programs have no target.
     fn target(&self) -> Option<(u32, u32)> {
-        let names_none = self.args.scene.path.extension().is_some_and(|ending| ending != "ron");
-        names_none.then_some((self.job.size.0 / 2, self.job.size.1 / 2))
+        let is_imported = self.args.scene.path.extension().is_some_and(|ending| ending != "ron");
+        is_imported.then_some((self.job.size.0 / 2, self.job.size.1 / 2))
     }
 
     /// Tells the window of a scene that has been read.
@@ -405,11 +403,12 @@ impl Observer for Following<'_> {
     }
 
     /// Goes on with an empty film.
-    fn lost(&mut self, why: &Error, _: &DeviceScene, _: &[Arc<Device>], film: &mut Accumulation) -> bool {
+    fn lost(&mut self, why: &Error, _: &DeviceScene, _: &[Arc<Device>], film: &Accumulation) -> Option<Accumulation> {
         let message = format!("{why}: the device is opened again");
         tell(&format!("warning: {message}"));
         self.link.tell(|state| state.message = message);
-        film.clear();
-        true
+        let mut empty = film.clone();
+        empty.clear();
+        Some(empty)
     }
 }
