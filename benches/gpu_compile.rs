@@ -1,6 +1,6 @@
 //! Compiles every kernel of the scenes that ship for real GPUs, on a machine without one, and compares the figures with those of
-//! docs/dev/gpu-kernels.tsv. `make gpu-compile` runs it; with GPU_RT_RENEW=1 it writes them anew. With `--variant unchecked` or `uncontracted` it
-//! prints what kernels without checks, or without fused products, take over those that it has.
+//! docs/dev/gpu-kernels.tsv. `make gpu-compile` runs it; with GPU_RT_RENEW=1 it writes them anew. With `--variant` and a name it prints
+//! what kernels of that variant take over the usual ones. `--isa FOLDER` and a variant write the code of the walks there (benches/dependent_loads.py).
 //!
 //! Mesa's RADV opens on no hardware at all where RADV_FORCE_FAMILY names a GPU. It compiles pipelines for it and says what they take,
 //! but runs nothing. wgpu waits for its queue in vain, so this program calls Vulkan itself.
@@ -18,7 +18,7 @@ use gpu_rt::gpu::device::DeviceClass;
 use gpu_rt::gpu::layout::{self, BindingKind};
 use gpu_rt::gpu::numerics::MOST_STEPS;
 use gpu_rt::gpu::spirv;
-use gpu_rt::options::{RenderOptions, Scatter};
+use gpu_rt::options::{MeshTrees, RenderOptions, Scatter};
 use gpu_rt::plan::{Kernels, STEPS, UniformTables};
 use gpu_rt::scene::Scene;
 use naga::back::spv;
@@ -97,8 +97,8 @@ struct Compiled {
     key: Key,
     entry_point: String,
     words: Vec<u32>,
-    /// Numbers of the bindings, and whether they are uniforms.
-    bindings: Vec<(u32, bool)>,
+    /// Numbers of the bindings, whether they are uniforms, and their names.
+    bindings: Vec<(u32, bool, String)>,
 }
 
 fn root() -> &'static Path {
@@ -109,7 +109,8 @@ fn main() -> Result<()> {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
     match &words[..] {
         [] => check(),
-        [option, name] if option == "--variant" => compare(name),
+        [option, name] if option == "--variant" => compare(variant(name)?, name),
+        [option, folder, name] if option == "--isa" => walks(variant(name)?, Path::new(folder)),
         [option, folder] if option == "--compile" => {
             println!("{}", compile_all(Path::new(folder))?);
             Ok(())
@@ -126,15 +127,42 @@ enum Variant {
     Unchecked,
     /// Without products that are fused with sums.
     Uncontracted,
+    /// With the children of nodes of meshes beside each other.
+    Siblings,
+}
+
+fn variant(name: &str) -> Result<Variant> {
+    match name {
+        "usual" => Ok(Variant::Usual),
+        "unchecked" => Ok(Variant::Unchecked),
+        "uncontracted" => Ok(Variant::Uncontracted),
+        "siblings" => Ok(Variant::Siblings),
+        _ => Err(format!("no variant is named {name}").into()),
+    }
+}
+
+/// Compiles the kernels of `--scatter linked` that walk to the next surface, for each GPU, and writes their code into a folder.
+fn walks(variant: Variant, into: &Path) -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let mut kernels = kernels(variant)?;
+    // The planted kernel is the first.
+    let is_walk = |(_, way, name): &Key| way.is_empty() || way == "linked" && name == "intersect";
+    kernels.retain(|kernel| is_walk(&kernel.key));
+    let numbers = written(&kernels, folder.path())?;
+    for family in &FAMILIES {
+        compiled_for(family.name, folder.path())?;
+        for (kernel, number) in kernels.iter().zip(&numbers).skip(1) {
+            let to = into.join(format!("{}-{}.s", family.name, kernel.key.0));
+            let names: Vec<&str> = kernel.bindings.iter().map(|(.., name)| name.as_str()).collect();
+            let code = fs::read_to_string(folder.path().join(format!("{number}.s")))?;
+            fs::write(to, format!("; {}\n{}", names.join(" "), code.trim_end_matches('\0')))?;
+        }
+    }
+    Ok(())
 }
 
 /// Prints the figures of a variant over the usual ones: geometric means over the kernels, and the extremes.
-fn compare(name: &str) -> Result<()> {
-    let variant = match name {
-        "unchecked" => Variant::Unchecked,
-        "uncontracted" => Variant::Uncontracted,
-        _ => return Err(format!("no variant is named {name}").into()),
-    };
+fn compare(variant: Variant, name: &str) -> Result<()> {
     for family in &FAMILIES {
         let of = |variant| -> Result<Vec<Figures>> {
             let folder = tempfile::tempdir()?;
@@ -238,7 +266,8 @@ fn kernels(variant: Variant) -> Result<Vec<Compiled>> {
         }
     }
     names.sort();
-    let options = RenderOptions::default();
+    let mesh_trees = if variant == Variant::Siblings { MeshTrees::Siblings } else { MeshTrees::Coded };
+    let options = RenderOptions { mesh_trees, ..RenderOptions::default() };
     let mut all = vec![planted(variant)?];
     for name in names {
         let scene = Scene::load(&root().join(format!("scenes/{name}.ron")))?;
@@ -282,7 +311,11 @@ fn compiled(key: Key, entry_point: &str, module: &naga::Module, variant: Variant
         words = spirv::with_no_contraction(&words);
     }
     let bindings = layout::bindings(module)?;
-    let bindings = bindings.values().map(|binding| (binding.number, binding.kind == BindingKind::Uniform)).collect();
+    let known = |(name, binding): (String, layout::Binding)| {
+        (binding.number, binding.kind == BindingKind::Uniform, name)
+    };
+    let mut bindings: Vec<_> = bindings.into_iter().map(known).collect();
+    bindings.sort_unstable();
     Ok(Compiled { key, entry_point: entry_point.to_string(), words, bindings })
 }
 
@@ -532,6 +565,31 @@ fn compile_all(folder: &Path) -> Result<Value> {
     }
 }
 
+/// The code of a kernel in the GPU's assembly language.
+///
+/// # Safety
+/// As of [`statistics_of`], of whose pipeline this is.
+unsafe fn assembly(
+    executables: &ash::khr::pipeline_executable_properties::Device,
+    executable: &vk::PipelineExecutableInfoKHR,
+) -> Result<Vec<u8>> {
+    // SAFETY: the second call has room for as many bytes as the first has asked for.
+    unsafe {
+        let mut found = executables.get_pipeline_executable_internal_representations(executable)?;
+        let mut texts: Vec<Vec<u8>> = found.iter().map(|one| vec![0; one.data_size]).collect();
+        for (one, text) in found.iter_mut().zip(&mut texts) {
+            one.p_data = text.as_mut_ptr().cast();
+        }
+        let again = executables.fp().get_pipeline_executable_internal_representations_khr;
+        again(executables.device(), executable, &mut (found.len() as u32), found.as_mut_ptr()).result()?;
+        let is_code = |one: &vk::PipelineExecutableInternalRepresentationKHR| {
+            one.name_as_c_str().is_ok_and(|name| name.to_bytes() == b"Assembly")
+        };
+        let code = found.iter().position(is_code).ok_or("this driver shows no assembly")?;
+        Ok(texts.swap_remove(code))
+    }
+}
+
 /// Compiles a kernel. Its statistics by their names.
 ///
 /// # Safety
@@ -541,7 +599,8 @@ unsafe fn statistics_of(
     executables: &ash::khr::pipeline_executable_properties::Device,
     kernel: &Value,
 ) -> Result<Value> {
-    let bytes = fs::read(kernel["file"].as_str().unwrap_or_default())?;
+    let path = Path::new(kernel["file"].as_str().unwrap_or_default());
+    let bytes = fs::read(path)?;
     let words = ash::util::read_spv(&mut std::io::Cursor::new(bytes))?;
     let binding = |binding: &Value| {
         let ty = match binding[1] == true {
@@ -566,13 +625,17 @@ unsafe fn statistics_of(
             .module(module)
             .name(&entry_point);
         let pipeline = vk::ComputePipelineCreateInfo::default()
-            .flags(vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR)
+            .flags(
+                vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR
+                    | vk::PipelineCreateFlags::CAPTURE_INTERNAL_REPRESENTATIONS_KHR,
+            )
             .layout(layout)
             .stage(stage);
         let pipelines = device.create_compute_pipelines(vk::PipelineCache::null(), &[pipeline], None);
         let pipelines = pipelines.map_err(|(_, error)| error)?;
         let [pipeline] = pipelines[..] else { return Err("expected one pipeline".into()) };
         let executable = vk::PipelineExecutableInfoKHR::default().pipeline(pipeline);
+        fs::write(path.with_extension("s"), assembly(executables, &executable)?)?;
         let mut found = serde_json::Map::new();
         for statistic in executables.get_pipeline_executable_statistics(&executable)? {
             // RADV has unsigned ones only; a number of another kind is not read as one.

@@ -24,6 +24,8 @@ pub struct RenderOptions {
     pub light_paths: LightPaths,
     pub precision: Precision,
     pub build: Quality,
+    /// For tests and benchmarks: no option of the program, and the bytes are the same.
+    pub mesh_trees: MeshTrees,
     pub aov: Aovs,
     pub features: FeatureSet,
     /// This and the next three are the device's choice where absent.
@@ -48,6 +50,7 @@ impl Default for RenderOptions {
             light_paths: LightPaths::Auto,
             precision: Precision::Strict,
             build: Quality::Medium,
+            mesh_trees: MeshTrees::Coded,
             aov: Aovs::default(),
             features: FeatureSet::Scene,
             scatter: None,
@@ -122,6 +125,15 @@ impl<W: ValueEnum> Word for W {}
 pub enum Switch {
     On,
     Off,
+}
+
+/// How nodes of the trees of meshes name their children (docs/gpu.md compares the times on GPUs).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MeshTrees {
+    /// By a code for each.
+    Coded,
+    /// By the place of the first one: siblings stand beside each other.
+    Siblings,
 }
 
 /// How paths find light.

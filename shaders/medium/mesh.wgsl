@@ -1,6 +1,6 @@
 //@ implements medium_in_mesh when boundary.mesh
-//@ use bind/nodes
 //@ use bind/instances
+//@ use choice/mesh_tree
 //@ use choice/moved_triangle
 //@ use geometry/bounds
 //@ use geometry/instance
@@ -22,7 +22,7 @@ const CHILDREN: u32 = 15u;
 fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>) -> Crossing {
     let inverse = slab_inverse(ray.direction);
     var next = Crossing(VERY_FAR, 0xffffffffu, 0);
-    // The nodes with children that are still to be visited: a node's index above a bit for each child. The last of them is not on the
+    // The nodes with children that are still to be visited: what names the children above a bit for each of them. The last of them is not on the
     // stack but in `waiting`, and has no bits if none of its children waits.
     var stack: array<u32, CROSSING_STACK_SIZE>;
     var depth = 0u;
@@ -35,8 +35,9 @@ fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>)
         if *steps >= MOST_STEPS_OF_CROSSINGS {
             break;
         }
-        if (code & PRIMITIVE_BIT) != 0u {
-            let pair = see_pair(primitive_index(code), ray, inverse, tested);
+        let visited = visit(code);
+        if (visited_code(code, visited) & PRIMITIVE_BIT) != 0u {
+            let pair = see_pair(visited_pair(visited), ray, inverse, tested);
             if pair.left != 0u {
                 let face = primitive_index(code_of_face(pair));
                 let hit = hit_of_pair(pair);
@@ -53,7 +54,7 @@ fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>)
                 continue;
             }
         } else {
-            let keys = child_keys(nodes[code], ray.origin, inverse, 0.0, VERY_FAR);
+            let keys = child_keys(visited_node(visited), ray.origin, inverse, 0.0, VERY_FAR);
             let bits = select(vec4<u32>(0u), vec4<u32>(1u, 2u, 4u, 8u), keys != vec4<u32>(CHILD_MISSED));
             let children = bits.x | bits.y | bits.z | bits.w;
             if children != 0u {
@@ -61,7 +62,7 @@ fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>)
                     stack[depth] = waiting;
                     depth += 1u;
                 }
-                waiting = code * 16u + children;
+                waiting = children_of(code, visited, true) * 16u + children;
             }
         }
         if (waiting & CHILDREN) == 0u {
@@ -73,7 +74,7 @@ fn next_crossing(ray: Ray, root: u32, last: Crossing, steps: ptr<function, u32>)
         }
         let child = firstLeadingBit(waiting & CHILDREN);
         waiting ^= 1u << child;
-        code = nodes[waiting / 16u].children[child];
+        code = child_code(waiting / 16u, child, true);
     }
     return next;
 }

@@ -1,4 +1,3 @@
-//@ use bind/face_pairs
 //@ use geometry/slab
 //@ use geometry/sheared_triangle
 // The leaves of a mesh's hierarchy: pairs of faces that share two corners. So a walk reads only four corners for two faces.
@@ -34,8 +33,7 @@ fn three_of(numbers: vec4<f32>, corners: u32) -> vec3<f32> {
 
 // Returns a pair as a ray in the mesh's space sees it, without the faces whose bits are in `tested`. `inverse` is
 // slab_inverse(ray.direction).
-fn see_pair(index: u32, ray: Ray, inverse: vec3<f32>, tested: u32) -> SeenPair {
-    let pair = face_pairs[index];
+fn see_pair(pair: FacePair, ray: Ray, inverse: vec3<f32>, tested: u32) -> SeenPair {
     let shear = shear_along(ray, inverse);
     let a = bitcast<vec3<f32>>(pair.a.xyz);
     let b = bitcast<vec3<f32>>(pair.b.xyz);

@@ -35,12 +35,11 @@ fn leave_mesh(walk: ptr<function, Walk>, ray: Ray) {
 }
 
 // Where the ray hits the primitive that the walk visits, or the first face of a pair that is not tested yet.
-fn hit_of_walk(walk: ptr<function, Walk>, pose: Pose) -> Hit {
-    let code = (*walk).code;
+fn hit_of_walk(walk: ptr<function, Walk>, code: u32, visited: Visited, pose: Pose) -> Hit {
     var candidate = hit_at(code, primitive_distance(code, pose, (*walk).ray));
     candidate.instance = (*walk).instance;
     if primitive_kind(code) == KIND_TRIANGLE {
-        let pair = see_pair(primitive_index(code), (*walk).ray, (*walk).inverse, (*walk).tested);
+        let pair = see_pair(visited_pair(visited), (*walk).ray, (*walk).inverse, (*walk).tested);
         // Both come before the distance, which is then computed with fewer values in registers (docs/dev/gpu-kernels.md).
         candidate.code = code_of_face(pair);
         (*walk).tested = tested_before_other(pair);
@@ -63,6 +62,6 @@ fn enter_mesh(walk: ptr<function, Walk>, pose: Pose, ray: Ray) {}
 
 fn leave_mesh(walk: ptr<function, Walk>, ray: Ray) {}
 
-fn hit_of_walk(walk: ptr<function, Walk>, pose: Pose) -> Hit {
-    return hit_at((*walk).code, primitive_distance((*walk).code, pose, (*walk).ray));
+fn hit_of_walk(walk: ptr<function, Walk>, code: u32, visited: Visited, pose: Pose) -> Hit {
+    return hit_at(code, primitive_distance(code, pose, (*walk).ray));
 }

@@ -1,5 +1,4 @@
 //@ alternative walk when (mesh | shape | surface) & surface & !brute_force
-//@ use bind/nodes
 //@ use choice/mesh_walk
 //@ use choice/pose
 //@ use scene/primitives
@@ -32,13 +31,15 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
         }
         hit.steps += 1u;
         var next = CHILD_MISSED;
-        if (walk.code & PRIMITIVE_BIT) != 0u {
-            let pose = pose_at(walk.code, NO_INSTANCE);
-            if is_mesh(walk.code) {
+        let visited = visit(walk.code);
+        let code = visited_code(walk.code, visited);
+        if (code & PRIMITIVE_BIT) != 0u {
+            let pose = pose_at(code, NO_INSTANCE);
+            if is_mesh(code) {
                 enter_mesh(&walk, pose, ray);
                 continue;
             }
-            var candidate = hit_of_walk(&walk, pose);
+            var candidate = hit_of_walk(&walk, code, visited, pose);
             candidate.t = distance_ahead(candidate, pose, walk.ray);
             if candidate.t != NO_HIT && candidate.t <= hit.t {
                 if (candidate.t < hit.t || comes_before(candidate, hit)) && stops_before(&candidate, hit, pose, ray) {
@@ -53,7 +54,7 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
                 continue;
             }
         } else {
-            next = nearest_child(&walk, &stack, hit.t);
+            next = nearest_child(&walk, &stack, visited, hit.t);
         }
         if next == CHILD_MISSED {
             leave_mesh(&walk, ray);
@@ -66,7 +67,7 @@ fn first_hit(ray: Ray, root: u32, limit: Hit, any_will_do: bool) -> Hit {
             }
             next = take_waiting(&walk);
         }
-        walk.code = nodes[next / 4u].children[next % 4u];
+        walk.code = child_code(next / 4u, next % 4u, walk.instance != NO_INSTANCE);
     }
     return hit;
 }

@@ -9,7 +9,7 @@ use super::view::Placement;
 use crate::aov::{Aovs, SceneSpace};
 use crate::bitmap::SRGB;
 use crate::bvh::Bvh;
-use crate::data::{self, HIT_NOTHING, PRIMITIVE_BIT, Tables};
+use crate::data::{self, HIT_NOTHING, KIND_TRIANGLE, PRIMITIVE_BIT, Tables, primitive_code};
 use crate::lobe::Rows;
 use crate::options::{LightPaths, RenderOptions};
 use crate::scene::{Bitmap, Scene};
@@ -149,6 +149,34 @@ impl DeviceScene {
         };
         self.nodes.extend(bvh.nodes.iter().map(|node| data::Node { children: node.children.map(moved), ..*node }));
         moved(bvh.root)
+    }
+
+    /// Appends the hierarchy of a mesh, and the pairs of faces that are its leaves. Returns the code of its root.
+    pub(super) fn add_mesh(&mut self, bvh: &Bvh, pairs: impl Iterator<Item = data::FacePair>) -> u32 {
+        let root = self.add_nodes(bvh, self.face_pairs.len() as u32);
+        self.face_pairs.extend(pairs);
+        root
+    }
+
+    /// Appends them with the children of a node beside each other: nodes, and pairs in place of nodes (shaders/scene/siblings). A node names the
+    /// first of its children. Returns the place of the root.
+    pub(super) fn add_siblings(&mut self, bvh: &Bvh, pairs: &[data::FacePair]) -> u32 {
+        let root = self.nodes.len();
+        let mut open = vec![(bvh.root, root)];
+        self.nodes.push(data::Node::default());
+        while let Some((code, place)) = open.pop() {
+            self.nodes[place] = match code & PRIMITIVE_BIT {
+                0 => {
+                    let node = &bvh.nodes[code as usize];
+                    let begin = self.nodes.len();
+                    open.extend(node.children.into_iter().filter(|child| *child != HIT_NOTHING).zip(begin..));
+                    self.nodes.resize(begin + node.grid[3].to_be_bytes()[0] as usize, data::Node::default());
+                    data::Node { children: [begin as u32, 0, 0, 0], ..*node }
+                }
+                _ => bytemuck::cast(pairs[(code ^ primitive_code(KIND_TRIANGLE, 0)) as usize]),
+            };
+        }
+        root as u32
     }
 
     /// Fills the tables of features that the scene lacks, for kernels with all features: a light that is never chosen, a
