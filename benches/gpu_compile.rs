@@ -311,9 +311,8 @@ fn compiled(key: Key, entry_point: &str, module: &naga::Module, variant: Variant
         words = spirv::with_no_contraction(&words);
     }
     let bindings = layout::bindings(module)?;
-    let known = |(name, binding): (String, layout::Binding)| {
-        (binding.number, binding.kind == BindingKind::Uniform, name)
-    };
+    let known =
+        |(name, binding): (String, layout::Binding)| (binding.number, binding.kind == BindingKind::Uniform, name);
     let mut bindings: Vec<_> = bindings.into_iter().map(known).collect();
     bindings.sort_unstable();
     Ok(Compiled { key, entry_point: entry_point.to_string(), words, bindings })

@@ -9,8 +9,10 @@ use std::time::Duration;
 
 use crate::common::everything::{Everything, World, same};
 use crate::common::render::{Request, render, render_each};
+use gpu_rt::bvh::Quality;
 use gpu_rt::film::Film;
-use gpu_rt::options::Scatter;
+use gpu_rt::flatten::flatten;
+use gpu_rt::options::{MeshTrees, RenderOptions, Scatter};
 use gpu_rt::scene::Scene;
 
 fn everything() -> (Everything, Scene) {
@@ -103,6 +105,22 @@ fn parts_do_not_show_with_sobol_points() {
     // Parity is that of the absolute number of a run; the first samples do not depend on how many there will be.
     let parts = render_each(&scene, &request, &[8..24, 0..8]);
     assert!(joined([&parts[0].film, &parts[1].film]) == usual.film);
+}
+
+/// Steps are the same too: the numbers of rays that are cut short are among the totals, and the depth of the stack is one.
+#[test]
+fn trees_of_meshes_do_not_show() {
+    let (_files, scene) = everything();
+    let siblings = |options: &mut RenderOptions| options.mesh_trees = MeshTrees::Siblings;
+    let request = by_defaults().with(|options| options.build = Quality::Best);
+    let usual = render(&scene, &request);
+    assert!(same(&usual, &render(&scene, &request.clone().with(siblings))));
+    // The trees are others.
+    let flat = |request: &Request| flatten(&scene, (16, 9), &request.options).expect("the scene flattens");
+    let (coded, beside) = (flat(&request), flat(&request.with(siblings)));
+    assert!(coded.face_pairs.len() > 10 && beside.face_pairs.is_empty());
+    assert!(beside.nodes.len() >= coded.nodes.len() + coded.face_pairs.len());
+    assert_eq!(coded.features.quantities.stack_size, beside.features.quantities.stack_size);
 }
 
 #[test]

@@ -14,7 +14,9 @@ use gpu_rt::gpu::layout::BindingKind;
 use gpu_rt::gpu::link::{Choices, Embedded, Entry, Heads, Library, Linked, Reason, When, link};
 use gpu_rt::lobe::rows;
 use gpu_rt::material::{LobeWidth, Material, MaterialKind, ROUGH_LAYER};
-use gpu_rt::options::{FeatureSet, Filter, Fresnel, LightPaths, Precision, RenderOptions, Scatter, Switch, TRADE_OFFS};
+use gpu_rt::options::{
+    FeatureSet, Filter, Fresnel, LightPaths, MeshTrees, Precision, RenderOptions, Scatter, Switch, TRADE_OFFS,
+};
 use gpu_rt::plan::{CONDITIONS, Kernel, Kernels, UniformTables, choices_of};
 
 use crate::common::referee::{differences, hashes};
@@ -593,6 +595,11 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     let mapped = with_extension(with_tables(mesh.clone(), true), "normal");
     let placed = having(features(1, 1, 0, SOLID, false), &["placed"]);
     found.extend([mesh, mapped, placed].map(|features| (features, RenderOptions::default())));
+    // Meshes with siblings beside each other: alone, around a medium, and with everything.
+    let around = with_media(features(0, 0, 0, SOLID, false), all(&BOUNDARIES), false);
+    let beside = [features(1 << KIND_TRIANGLE, 1, 0, SOLID, false), around, everything()];
+    let siblings = RenderOptions { mesh_trees: MeshTrees::Siblings, ..RenderOptions::default() };
+    found.extend(beside.map(|features| (features, siblings.clone())));
     // Mattes, alone, with assets and with other channels.
     for list in ["cryptomatte", "cryptomatte,cryptoasset,object,albedo,depth0"] {
         let mut options = RenderOptions::default();
@@ -769,7 +776,7 @@ data: data generated lib
 geometry: bind/meshes data geometry lib
 tangent: bind/meshes data geometry lib
 light: data geometry lib light
-medium: bind data geometry lib medium motion scene/face_pairs
+medium: bind choice/mesh_tree data geometry lib medium motion scene/face_pairs
 material: choice/inner_reflections choice/multiscatter data geometry lib lobe material
 lobe: bind data lib lobe material
 bind: bind data geometry/triangle scene/at_run_time
