@@ -150,9 +150,16 @@ fn walks(variant: Variant, into: &Path) -> Result<()> {
     kernels.retain(|kernel| is_walk(&kernel.key));
     let numbers = written(&kernels, folder.path())?;
     for family in &FAMILIES {
-        compiled_for(family.name, folder.path())?;
+        let (_, figures) = compiled_for(family.name, folder.path())?;
         for (kernel, number) in kernels.iter().zip(&numbers).skip(1) {
             let to = into.join(format!("{}-{}.s", family.name, kernel.key.0));
+            let of = |head: &str| figures.get(*number).map_or(0, |own| own.get(head));
+            let [vgprs, instructions] = WATCHED.map(of);
+            println!(
+                "{}: {vgprs} VGPRs, {} subgroups a SIMD, {instructions} instructions",
+                to.display(),
+                of("subgroups a SIMD")
+            );
             let names: Vec<&str> = kernel.bindings.iter().map(|(.., name)| name.as_str()).collect();
             let code = fs::read_to_string(folder.path().join(format!("{number}.s")))?;
             fs::write(to, format!("; {}\n{}", names.join(" "), code.trim_end_matches('\0')))?;
