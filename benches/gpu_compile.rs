@@ -18,7 +18,7 @@ use gpu_rt::gpu::device::DeviceClass;
 use gpu_rt::gpu::layout::{self, BindingKind};
 use gpu_rt::gpu::numerics::MOST_STEPS;
 use gpu_rt::gpu::spirv;
-use gpu_rt::options::{MeshTrees, RenderOptions, Scatter};
+use gpu_rt::options::{RenderOptions, Scatter, Walk};
 use gpu_rt::plan::{Kernels, STEPS, UniformTables};
 use gpu_rt::scene::Scene;
 use naga::back::spv;
@@ -273,8 +273,8 @@ fn kernels(variant: Variant) -> Result<Vec<Compiled>> {
         }
     }
     names.sort();
-    let mesh_trees = if variant == Variant::Siblings { MeshTrees::Siblings } else { MeshTrees::Coded };
-    let options = RenderOptions { mesh_trees, ..RenderOptions::default() };
+    let walk = if variant == Variant::Siblings { Walk::Siblings } else { Walk::Coded };
+    let options = RenderOptions { walk, ..RenderOptions::default() };
     let mut all = vec![planted(variant)?];
     for name in names {
         let scene = Scene::load(&root().join(format!("scenes/{name}.ron")))?;

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 use gpu_rt::gpu::device::{Adapters, Device};
 use gpu_rt::job::{Frame, Goal, Job};
-use gpu_rt::options::{MeshTrees, RenderOptions, Scatter};
+use gpu_rt::options::{RenderOptions, Scatter, Walk};
 use gpu_rt::scene::Scene;
 use gpu_rt::session::Session;
 
@@ -34,7 +34,7 @@ const CONTROL: &str = "scenes/weekend.ron";
 /// The rings of the scan, and the faces around each: a million in all.
 const RINGS: u32 = 500;
 const AROUND: u32 = 2000;
-const TREES: [MeshTrees; 2] = [MeshTrees::Coded, MeshTrees::Siblings];
+const TREES: [Walk; 2] = [Walk::Coded, Walk::Siblings];
 /// Renders of each scene with each tree. The median of the ratios decides.
 const TURNS: u32 = 3;
 /// The other trees become the default if the scenes with meshes render this much faster, by the geometric mean, and the control at most so much slower.
@@ -136,8 +136,8 @@ impl Bench {
         let scene = Scene::load(if name == SCAN { &self.scan } else { Path::new(name) })?;
         let mut sessions = Vec::new();
         let mut films = Vec::new();
-        for mesh_trees in TREES {
-            let options = RenderOptions { mesh_trees, scatter: Some(Scatter::Linked), ..RenderOptions::default() };
+        for walk in TREES {
+            let options = RenderOptions { walk, scatter: Some(Scatter::Linked), ..RenderOptions::default() };
             let mut session = Session::on(vec![Arc::clone(&self.device)]);
             session.view(&scene, &Frame::full(self.size), &options)?;
             films.push(self.rendered(&mut session, &scene, Goal::Samples(8))?);

@@ -139,7 +139,7 @@ pub fn flatten_with(
         tables: vec![vec![Table::FIRST]; meshes.len()],
         space,
         quality: options.build,
-        mesh_trees: options.mesh_trees,
+        walk: options.walk,
         around_media: finder.media.iter().filter_map(|medium| medium.boundary.mesh()).map(|mesh| mesh.number).collect(),
         hierarchies,
         materials: vec![0; scene.materials.len()],

@@ -25,7 +25,7 @@ pub struct RenderOptions {
     pub precision: Precision,
     pub build: Quality,
     /// For tests and benchmarks: no option of the program, and the bytes are the same.
-    pub mesh_trees: MeshTrees,
+    pub walk: Walk,
     pub aov: Aovs,
     pub features: FeatureSet,
     /// This and the next three are the device's choice where absent.
@@ -50,7 +50,7 @@ impl Default for RenderOptions {
             light_paths: LightPaths::Auto,
             precision: Precision::Strict,
             build: Quality::Medium,
-            mesh_trees: MeshTrees::Coded,
+            walk: Walk::Coded,
             aov: Aovs::default(),
             features: FeatureSet::Scene,
             scatter: None,
@@ -127,12 +127,12 @@ pub enum Switch {
     Off,
 }
 
-/// How nodes of the trees of meshes name their children (docs/gpu.md compares the times on GPUs).
+/// How rays walk through meshes (docs/gpu.md).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MeshTrees {
-    /// By a code for each.
+pub enum Walk {
+    /// Nodes name each of their children by a code.
     Coded,
-    /// By the place of the first one: siblings stand beside each other.
+    /// Nodes name the place of their first child, beside which the others stand. Fewer registers are in use at a time.
     Siblings,
 }
 

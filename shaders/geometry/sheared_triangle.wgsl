@@ -1,4 +1,4 @@
-//@ relies on signs
+//@ use choice/close_signs
 // Intersects rays with triangles, without gaps: no ray passes between triangles that share an edge or a vertex, and none hits
 // two of them there. The vertices are sheared so that the ray runs along z. Three edge functions show on which sides of the
 // edges the origin of the x, y plane lies (Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013).
@@ -64,49 +64,6 @@ fn see_corners(shear: Shear, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, d: vec3<f
     return SeenCorners(x, y, z);
 }
 
-// |x y| exactly, for normal floats: an integer of two digits in base 2^24, times 2 to the power of the sum of the exponents.
-struct ExactProduct {
-    high: vec3<u32>,
-    low: vec3<u32>,
-    exponent: vec3<u32>,
-}
-
-fn exact_product(x: vec3<f32>, y: vec3<f32>) -> ExactProduct {
-    let x_bits = bitcast<vec3<u32>>(x);
-    let y_bits = bitcast<vec3<u32>>(y);
-    let m = (x_bits & vec3<u32>(0x7fffffu)) | vec3<u32>(0x800000u);
-    let n = (y_bits & vec3<u32>(0x7fffffu)) | vec3<u32>(0x800000u);
-    let twelve = vec3<u32>(12u);
-    let middle = (m >> twelve) * (n & vec3<u32>(0xfffu)) + (m & vec3<u32>(0xfffu)) * (n >> twelve);
-    let low = (m & vec3<u32>(0xfffu)) * (n & vec3<u32>(0xfffu)) + ((middle & vec3<u32>(0xfffu)) << twelve);
-    return ExactProduct(
-        (m >> twelve) * (n >> twelve) + (middle >> twelve) + (low >> vec3<u32>(24u)),
-        low & vec3<u32>(0xffffffu),
-        ((x_bits >> vec3<u32>(23u)) & vec3<u32>(255u)) + ((y_bits >> vec3<u32>(23u)) & vec3<u32>(255u)),
-    );
-}
-
-// The sign of p.x q.y - p.y q.x, for each of three pairs of points. The two products, as floats, must be both 0 or differ by a
-// few roundings; their exponents then differ by at most one. If the exact difference is 0, (e, e^2) with an infinitesimal e > 0
-// is subtracted from both points, and the sign is that of e (p.y - q.y) + e^2 (q.x - p.x) + 0 e^3. Only p = q gives 0.
-fn close_signs(px: vec3<f32>, py: vec3<f32>, qx: vec3<f32>, qy: vec3<f32>) -> vec3<f32> {
-    let one = exact_product(px, qy);
-    let other = exact_product(py, qx);
-    let most = max(one.exponent, other.exponent);
-    // If the exponents differ, the digits of the product with the larger exponent are doubled.
-    let one_doubled = select(vec3<u32>(0u), vec3<u32>(1u), one.exponent > other.exponent);
-    let other_doubled = select(vec3<u32>(0u), vec3<u32>(1u), other.exponent > one.exponent);
-    let high = vec3<i32>(one.high << one_doubled) - vec3<i32>(other.high << other_doubled);
-    let low = vec3<i32>(one.low << one_doubled) - vec3<i32>(other.low << other_doubled);
-    // |low| is below 2 x 2^24. So if the high digits differ by more than 4, they alone decide.
-    let larger = sign(clamp(high, vec3<i32>(-4), vec3<i32>(4)) * 0x1000000 + low);
-    let first = px * qy;
-    let difference = sign(first) * vec3<f32>(larger);
-    let moved_x = select(select(vec3<f32>(0.0), vec3<f32>(-1.0), qx < px), vec3<f32>(1.0), qx > px);
-    let moved_y = select(select(moved_x, vec3<f32>(-1.0), py < qy), vec3<f32>(1.0), py > qy);
-    return select(moved_y, difference, difference != vec3<f32>(0.0));
-}
-
 // The components in cyclic order, starting with x, y or z for a shift of 0, 1 or 2.
 fn cyclic(v: vec3<f32>, shift: u32) -> vec3<f32> {
     return select(select(v, v.yzx, shift == 1u), v.zxy, shift == 2u);
@@ -155,7 +112,7 @@ fn seen_hit(over_z: f32, x: vec3<f32>, y: vec3<f32>, z: vec3<f32>) -> TriangleHi
     let areas = found.areas;
     var signs = sign(areas);
     if !all(found.certain) {
-        signs = select(close_signs(x.yzx, y.yzx, x.zxy, y.zxy), signs, found.certain);
+        signs = with_close_signs(signs, found.certain, x, y);
     }
     if !(all(signs > vec3<f32>(0.0)) || all(signs < vec3<f32>(0.0))) {
         return miss;

@@ -36,9 +36,9 @@ fn leave_mesh(walk: ptr<function, Walk>, ray: Ray) {
 
 // Where the ray hits the primitive that the walk visits, or the first face of a pair that is not tested yet.
 fn hit_of_walk(walk: ptr<function, Walk>, code: u32, visited: Visited, pose: Pose) -> Hit {
-    var candidate = hit_at(code, primitive_distance(code, pose, (*walk).ray));
+    var candidate = hit_at(code, NO_HIT);
     candidate.instance = (*walk).instance;
-    if primitive_kind(code) == KIND_TRIANGLE {
+    if (*walk).instance != NO_INSTANCE {
         let pair = see_pair(visited_pair(visited), (*walk).ray, (*walk).inverse, (*walk).tested);
         // Both come before the distance, which is then computed with fewer values in registers (docs/dev/gpu-kernels.md).
         candidate.code = code_of_face(pair);
@@ -46,6 +46,8 @@ fn hit_of_walk(walk: ptr<function, Walk>, code: u32, visited: Visited, pose: Pos
         if pair.left != 0u {
             candidate.t = hit_of_pair(pair).t;
         }
+    } else {
+        candidate.t = primitive_distance(code, pose, (*walk).ray);
     }
     return candidate;
 }

@@ -1,6 +1,5 @@
 //@ use bind/trials
 //@ use bind/answers
-//@ use geometry/sheared_triangle
 // Probes the arithmetic of this driver that kernels may rely on. The host knows the correct answers (src/gpu/probe.rs). All
 // inputs come from a uniform, so that no compiler computes a result in advance.
 override WORKGROUP_SIZE: u32 = 64u;
@@ -76,13 +75,7 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
     answer.classes_of_special = classes_of(bitcast<f32>(trial.special));
     answer.made_subnormal = bitcast<u32>(bitcast<f32>(trial.least) * 0x1p-4f);
     answer.from_subnormal = bitcast<u32>(bitcast<f32>(trial.subnormal) * 0x1p24f);
-    let signs = close_signs(
-        vec3<f32>(trial.p_x),
-        vec3<f32>(trial.p_y),
-        vec3<f32>(trial.q_x),
-        vec3<f32>(trial.q_y),
-    );
-    answer.edge_sign = i32(signs.x);
+    answer.edge_sign = i32(close_sign(trial.p_x, trial.p_y, trial.q_x, trial.q_y));
     // This is the only loop, and it comes last: a limit on loops would end every loop after it.
     answer.loop_state = state_after(trial.loops);
     answers[id.x] = answer;

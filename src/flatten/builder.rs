@@ -19,7 +19,7 @@ use crate::data::{self, NO_TEXTURE, f32s};
 use crate::error::Result;
 use crate::lobe::{LOBES, Rows};
 use crate::material::{ALPHA, MIX, Material, Model, Slot, emission_row, microfacets};
-use crate::options::MeshTrees;
+use crate::options::Walk;
 use crate::scene::{Background, Bitmap, Scene, SkyLayout, Step, Texture, Use};
 use crate::shape::similarity::Similarity;
 use crate::shape::{Element, KINDS, LargeSphere, MeshLayout, ObjectTransform, RenderSpace, Shape, error_bound, padded};
@@ -36,7 +36,7 @@ pub struct Builder<'a> {
     pub scene: &'a Scene,
     pub space: RenderSpace,
     pub quality: Quality,
-    pub mesh_trees: MeshTrees,
+    pub walk: Walk,
     /// The numbers of the meshes that bound media.
     pub around_media: HashSet<usize>,
     /// The hierarchies of an earlier flattening, if there was one.

@@ -18,7 +18,7 @@ use super::tangents::Split;
 use crate::bvh::Quality;
 use crate::data::{NO_NORMAL, NO_UVS};
 use crate::material::Slot;
-use crate::options::MeshTrees;
+use crate::options::Walk;
 use crate::scene::Mesh;
 use crate::shape::MeshLayout;
 use crate::shape::mesh::MeshShape;
@@ -127,9 +127,9 @@ impl Builder<'_> {
         let bvh = &hierarchy.bvh;
         let laid_out = |pair: &Pair| pair.laid_out(&mesh.triangles, &positions, first_face);
         let pairs = hierarchy.pairs.iter().map(laid_out);
-        let root = match self.mesh_trees {
-            MeshTrees::Coded => self.flat.add_mesh(bvh, pairs),
-            MeshTrees::Siblings => self.flat.add_siblings(bvh, &pairs.collect::<Vec<_>>()),
+        let root = match self.walk {
+            Walk::Coded => self.flat.add_mesh(bvh, pairs),
+            Walk::Siblings => self.flat.add_siblings(bvh, &pairs.collect::<Vec<_>>()),
         };
         let to_uvs = if has_more { count as u32 } else { NO_UVS };
         MeshLayout { root, first_face, to_uvs, stack_size: bvh.stack_size }

@@ -10,7 +10,7 @@ use crate::flatten::{BACKGROUNDS, DECLARED, Declared, EVERY_FEATURE, Features, M
 use crate::gpu::link::{Entry, Facts, Reason, When};
 use crate::lobe::evaluated_rows;
 use crate::material::{Material, MaterialKind, ROUGH_LAYER};
-use crate::options::{self, MeshTrees, RenderOptions, TRADE_OFFS};
+use crate::options::{self, RenderOptions, TRADE_OFFS, Walk};
 use crate::shape::KINDS;
 
 /// The facts that follow from others, by the conditions for them. Each names those before it.
@@ -30,7 +30,7 @@ const DERIVED: &[(&str, &str)] = &[
     // A light has a radiance that a path gets before its end.
     ("sampled_light", "light | scene.emission | medium_emission"),
     // The children of a node of a mesh stand beside each other.
-    ("siblings", "trees_of_siblings & (mesh | boundary.mesh)"),
+    ("siblings", "walk.siblings & (mesh | boundary.mesh)"),
     // Every ray tests all primitives.
     ("brute_force", "(mesh | shape | few_primitives) & few_primitives & surface"),
     // Lobes hide light from light sampling; probes count it.
@@ -153,7 +153,7 @@ pub(super) fn facts(features: &Features, options: &RenderOptions, purpose: Purpo
         is("several_lights", lights > 1, Reason::EveryRender),
         is("few_primitives", brute_force, Reason::EveryRender),
         is("several_backgrounds", several_backgrounds, Reason::Requested(EVERY_FEATURE.to_string())),
-        is("trees_of_siblings", options.mesh_trees == MeshTrees::Siblings, Reason::EveryRender),
+        is("walk.siblings", options.walk == Walk::Siblings, Reason::EveryRender),
         is("fused", purpose.bounces.fused, Reason::EveryRender),
         is("queues", purpose.bounces.queues, Reason::Requested(QUEUES.to_string())),
         is("kernel.light_path", purpose.light_path, Reason::EveryRender),

@@ -12,7 +12,7 @@ use crate::common::render::{Request, render, render_each};
 use gpu_rt::bvh::Quality;
 use gpu_rt::film::Film;
 use gpu_rt::flatten::flatten;
-use gpu_rt::options::{MeshTrees, RenderOptions, Scatter};
+use gpu_rt::options::{RenderOptions, Scatter, Walk};
 use gpu_rt::scene::Scene;
 
 fn everything() -> (Everything, Scene) {
@@ -111,7 +111,7 @@ fn parts_do_not_show_with_sobol_points() {
 #[test]
 fn trees_of_meshes_do_not_show() {
     let (_files, scene) = everything();
-    let siblings = |options: &mut RenderOptions| options.mesh_trees = MeshTrees::Siblings;
+    let siblings = |options: &mut RenderOptions| options.walk = Walk::Siblings;
     let request = by_defaults().with(|options| options.build = Quality::Best);
     let usual = render(&scene, &request);
     assert!(same(&usual, &render(&scene, &request.clone().with(siblings))));

@@ -15,7 +15,7 @@ use gpu_rt::gpu::link::{Choices, Embedded, Entry, Heads, Library, Linked, Reason
 use gpu_rt::lobe::rows;
 use gpu_rt::material::{LobeWidth, Material, MaterialKind, ROUGH_LAYER};
 use gpu_rt::options::{
-    FeatureSet, Filter, Fresnel, LightPaths, MeshTrees, Precision, RenderOptions, Scatter, Switch, TRADE_OFFS,
+    FeatureSet, Filter, Fresnel, LightPaths, Precision, RenderOptions, Scatter, Switch, TRADE_OFFS, Walk,
 };
 use gpu_rt::plan::{CONDITIONS, Kernel, Kernels, UniformTables, choices_of};
 
@@ -598,7 +598,7 @@ fn combinations() -> Vec<(Features, RenderOptions)> {
     // Meshes with siblings beside each other: alone, around a medium, and with everything.
     let around = with_media(features(0, 0, 0, SOLID, false), all(&BOUNDARIES), false);
     let beside = [features(1 << KIND_TRIANGLE, 1, 0, SOLID, false), around, everything()];
-    let siblings = RenderOptions { mesh_trees: MeshTrees::Siblings, ..RenderOptions::default() };
+    let siblings = RenderOptions { walk: Walk::Siblings, ..RenderOptions::default() };
     found.extend(beside.map(|features| (features, siblings.clone())));
     // Mattes, alone, with assets and with other channels.
     for list in ["cryptomatte", "cryptomatte,cryptoasset,object,albedo,depth0"] {
