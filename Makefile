@@ -18,7 +18,7 @@ define install
 }
 endef
 
-.PHONY: render test test-programs driver display oidn wheel test-python pip blender validate test-blender test-blender-window test-page pages bpy quick test-long test-slurm slurm test-tint test-skies test-files fuzz soak test-drivers accuracy gpu gpu-kit gpu-compile lint toolchain
+.PHONY: render test test-programs driver display oidn wheel test-python pip blender validate test-blender test-blender-window test-page pages bpy quick test-long test-slurm slurm test-tint test-skies test-files fuzz soak test-drivers accuracy gpu gpu-kit gpu-walks gpu-compile lint toolchain
 
 # The cover scene, in 50 s at most: out/weekend.exr is linear, out/weekend.png is for looking at.
 render: toolchain
@@ -224,18 +224,24 @@ OUT ?= docs
 gpu: gpu-kit
 	OUT="$(OUT)" target/gpu-kit/run.sh "$(DEVICE)" $(GPU_SECONDS)
 
+# Which of the ways to walk through meshes is the fastest there, within six minutes: docs/walks-NAME.md.
+gpu-walks: gpu-kit
+	OUT="$(OUT)" target/gpu-kit/run.sh walks "$(DEVICE)"
+
 # What that runs, for a machine without a compiler: copy the repository and this folder, and run target/gpu-kit/run.sh.
 gpu-kit: toolchain
 	$(CARGO) build $(BUILD)
-	$(CARGO) bench --features window --no-run --bench gpu
+	$(CARGO) bench --features window --no-run --bench gpu --bench walks
 	rm -rf target/gpu-kit && mkdir -p target/gpu-kit
 	cp target/release/gpu-rt tests/gpu/run.sh target/gpu-kit
 	@echo "$(CURDIR)" >target/gpu-kit/root
 	@for name in kernels images; do \
 		cp "$$($(CARGO) test $(BUILD) --no-run --test $$name 2>&1 | sed -n 's/.*(\(target[^)]*\))$$/\1/p')" target/gpu-kit/$$name || exit 1; \
 	done
-	cp "$$($(CARGO) bench --features window --no-run --bench gpu 2>&1 | sed -n 's/.*(\(target[^)]*\))$$/\1/p')" target/gpu-kit/gpu
-	cd target/gpu-kit && gzip gpu-rt kernels images gpu
+	@for name in gpu walks; do \
+		cp "$$($(CARGO) bench --features window --no-run --bench $$name 2>&1 | sed -n 's/.*(\(target[^)]*\))$$/\1/p')" target/gpu-kit/$$name || exit 1; \
+	done
+	cd target/gpu-kit && gzip gpu-rt kernels images gpu walks
 	@bytes=$$(du -sb target/gpu-kit | cut -f1); [ "$$bytes" -lt 67108864 ] || { echo "error: target/gpu-kit has $$bytes bytes" >&2; exit 1; }
 
 lint: toolchain

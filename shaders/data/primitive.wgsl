@@ -46,7 +46,7 @@ struct Node {
     // The upper planes, likewise.
     high: vec3<u32>,
     padding1: u32,
-    // The codes of the children.
+    // The codes of the children; or the place of the first one (scene/siblings).
     children: vec4<u32>,
 }
 

@@ -5,13 +5,14 @@
 //! gets is developed from it by a pure function. Equality has no noise, and so no false alarms; that it can fail at all is shown by
 //! renders that must differ.
 
+use std::path::Path;
 use std::time::Duration;
 
 use crate::common::everything::{Everything, World, same};
 use crate::common::render::{Request, render, render_each};
 use gpu_rt::bvh::Quality;
 use gpu_rt::film::Film;
-use gpu_rt::flatten::flatten;
+use gpu_rt::flatten::{DeviceScene, flatten};
 use gpu_rt::options::{RenderOptions, Scatter, Walk};
 use gpu_rt::scene::Scene;
 
@@ -107,20 +108,25 @@ fn parts_do_not_show_with_sobol_points() {
     assert!(joined([&parts[0].film, &parts[1].film]) == usual.film);
 }
 
-/// Steps are the same too: the numbers of rays that are cut short are among the totals, and the depth of the stack is one.
+/// Both walks take the same steps with the same stack: through small meshes that move, bound media and lie in cuts of `best`, and through a large one.
 #[test]
-fn trees_of_meshes_do_not_show() {
-    let (_files, scene) = everything();
+fn walks_do_not_show() {
+    let (_files, everything) = everything();
+    let knot = Scene::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/mesh.ron")).expect("the scene is valid");
     let siblings = |options: &mut RenderOptions| options.walk = Walk::Siblings;
-    let request = by_defaults().with(|options| options.build = Quality::Best);
-    let usual = render(&scene, &request);
-    assert!(same(&usual, &render(&scene, &request.clone().with(siblings))));
-    // The trees are others.
-    let flat = |request: &Request| flatten(&scene, (16, 9), &request.options).expect("the scene flattens");
-    let (coded, beside) = (flat(&request), flat(&request.with(siblings)));
-    assert!(coded.face_pairs.len() > 10 && beside.face_pairs.is_empty());
-    assert!(beside.nodes.len() >= coded.nodes.len() + coded.face_pairs.len());
-    assert_eq!(coded.features.quantities.stack_size, beside.features.quantities.stack_size);
+    for (scene, quality) in [(everything, Quality::Best), (knot, Quality::Medium)] {
+        let request = by_defaults().size(48, 27).with(|options| options.build = quality);
+        let other = request.clone().with(siblings);
+        assert!(same(&render(&scene, &request), &render(&scene, &other)), "{quality:?}");
+        // The trees are others.
+        let flat = |request: &Request| flatten(&scene, (48, 27), &request.options).expect("the scene flattens");
+        let (coded, beside) = (flat(&request), flat(&other));
+        assert!(coded.face_pairs.len() > 10 && beside.face_pairs.is_empty());
+        assert!(beside.nodes.len() >= coded.nodes.len() + coded.face_pairs.len());
+        let stacks =
+            |flat: &DeviceScene| (flat.features.quantities.stack_size, flat.features.quantities.boundary_stack_size);
+        assert_eq!(stacks(&coded), stacks(&beside));
+    }
 }
 
 #[test]

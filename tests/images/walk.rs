@@ -9,7 +9,7 @@ use gpu_rt::data::{HIT_NOTHING, PRIMITIVE_BIT, Sampler};
 use gpu_rt::film::Film;
 use gpu_rt::gpu::probe;
 use gpu_rt::job::{Goal, Job};
-use gpu_rt::options::{Integrator, RenderOptions, Scatter, Switch};
+use gpu_rt::options::{Integrator, RenderOptions, Scatter, Switch, Walk};
 use gpu_rt::scene::Scene;
 
 const QUALITIES: [Quality; 2] = [Quality::Medium, Quality::Best];
@@ -75,6 +75,29 @@ fn a_walk_that_passes_all_is_right_or_counted_as_cut_short() {
         let film = render(NOTHING, count, Scatter::Fused);
         assert_eq!((film.totals.rejected.cut, film.totals.rejected.total()), (cut, cut), "{count}");
         assert!(cut > 0 || film.develop().rgb[0] == [0.0, 1.0, 0.0], "{count}");
+    }
+}
+
+/// A mesh of coincident faces is right or counted as cut short, after as many steps by either walk.
+#[test]
+fn a_walk_through_a_mesh_is_right_or_counted_as_cut_short() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (count, cut) in [(20_000, 0), (300_000, 8)] {
+        let faces = "f 1 2 3\n".repeat(count);
+        std::fs::write(folder.path().join("faces.obj"), format!("v -9 -9 0\nv 9 -9 0\nv 0 18 0\n{faces}"))
+            .expect("it is written");
+        let text = coincident(LAMP, 1)
+            .replace("Quad(corner: (-9, -9, 0), u: (18, 0, 0), v: (0, 18, 0),", "Mesh(path: \"faces.obj\",");
+        let scene = Scene::parse(&text, &folder.path().join("lamps.ron")).expect("the scene is valid");
+        let [coded, siblings] = [Walk::Coded, Walk::Siblings].map(|walk| {
+            let options = RenderOptions { walk, integrator: Integrator::Bsdf, ..RenderOptions::default() };
+            let job = Job { size: (1, 1), max_depth: 1, seed: 0, first_sample: 0, goal: Goal::Samples(8) };
+            render_job(&scene, &options, &job, Sampler::Independent, |_| {}, &mut ()).0
+        });
+        assert_eq!(coded.totals, siblings.totals, "{count}");
+        assert_eq!((coded.totals.rejected.cut, coded.totals.rejected.total()), (cut, cut), "{count}");
+        assert_eq!(coded.develop().rgb, siblings.develop().rgb, "{count}");
+        assert!(cut > 0 || coded.develop().rgb[0] == [1.0; 3], "{count}");
     }
 }
 
