@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 
+use crate::scene::draft::{Draft, MOST_BYTES};
 use crate::shape::mesh::Mesh;
 
 /// The edges around a sphere, a disk or a cylinder, and half of them from pole to pole.
@@ -151,6 +152,17 @@ pub fn to_uv(mesh: &mut Mesh, by: &DAffine3) {
         let seen = by.transform_point3(DVec3::new(f64::from(uv.x), 1.0 - f64::from(uv.y), 0.0));
         *uv = Vec2::new(seen.x as f32, (1.0 - seen.y) as f32);
     }
+}
+
+/// The mesh of those faces of another that are kept.
+pub fn part(mesh: &Mesh, is_kept: impl Fn(u32) -> bool) -> Result<Mesh, String> {
+    let mut draft = Draft::new(MOST_BYTES);
+    draft.positions.clone_from(&mesh.positions);
+    draft.normals.clone_from(&mesh.normals);
+    draft.uvs.clone_from(&mesh.uvs);
+    let triangles = mesh.triangles.iter().enumerate().filter(|(number, _)| is_kept(mesh.face(*number)));
+    triangles.into_iter().try_for_each(|(_, triangle)| draft.face(triangle))?;
+    draft.finish()
 }
 
 /// Gives a mesh without normals those of its faces, each by its angle at the vertex.

@@ -1,6 +1,6 @@
 //! Shapes: as our own where they are the same, as meshes elsewhere.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::f64::consts::PI;
 use std::path::PathBuf;
 use std::rc::Rc;
@@ -26,6 +26,12 @@ use crate::shape::mesh::Mesh;
 
 const KNOWN: &str = "sphere, disk, cylinder, trianglemesh, bilinearmesh, plymesh";
 
+/// The faces of a mesh that are one light, unless all are.
+type Faces = Option<HashSet<u32>>;
+
+/// The most faces of a mesh whose lights differ.
+const MOST_LAMPS: usize = 4096;
+
 pub fn shape(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
     if ["curve", "loopsubdiv"].contains(&kind) {
         reader.lose(params, "", "it is left out: this shape is not read");
@@ -49,27 +55,12 @@ pub fn shape(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
             Some(reader.media.get(name).cloned().ok_or_else(missing)?)
         }
     };
-    let look = surface(kind, params, inside.as_ref().map(|(medium, _)| medium), reader)?;
-    // A mirror image of a quadric is inside out in pbrt, that of a mesh or an instance is not.
-    let mirrors = (by.matrix3.determinant() < 0.0) != reader.state.is_in_mirror;
-    let flips = reader.state.is_reversed != mirrors;
-    let is_seen = look.0.is_some();
-    let object = match kind {
-        "sphere" => sphere(params, &by, flips, look, reader)?,
-        "disk" => disk(params, &by, flips, look, reader)?,
-        "cylinder" => {
-            let (radius, turn) = radius_and_turn(params)?;
-            let (low, high) = (params.number_or("zmin", -1.0)?, params.number_or("zmax", 1.0)?);
-            let scale = DAffine3::from_scale(DVec3::new(radius, radius, high - low));
-            let placed = by * DAffine3::from_translation(DVec3::new(0.0, 0.0, low)) * scale;
-            made(params, mesh::cylinder(turn), &placed, flips, look, reader)
-        }
-        "plymesh" => file_mesh(params, &by, look, reader)?,
-        _ if let Some(mesh) = mesh_of(kind, params, look.1.is_some(), reader)? => {
-            made(params, Arc::unwrap_or_clone(mesh), &by, reader.state.is_reversed, look, reader)
-        }
-        _ => return Err(params.error(format!("this shape is not read: expected one of {KNOWN}"))),
-    };
+    let mut objects = Vec::new();
+    for (power, faces) in lamps(kind, params, reader)? {
+        let look = surface(params, inside.as_ref().map(|(medium, _)| medium), power, reader)?;
+        let is_seen = look.0.is_some();
+        objects.push((object(kind, params, faces, look, reader)?, is_seen));
+    }
     reader.end(params);
     let material = reader.looks.get(reader.state.look).and_then(|look| look.material.as_ref());
     let is_glass = matches!(material, Some(Material::Dielectric(_) | Material::RoughDielectric(_)));
@@ -88,12 +79,45 @@ pub fn shape(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
                 format!("expected one number for the extinction of all channels of its medium, found {found:?}");
             return Err(at.error("MakeNamedMedium", message));
         }
-        reader.add_object(medium.inside(surfaces::without_material(object.clone())), &params.at);
+        let [(boundary, _)] = &objects[..] else {
+            return Err(params.error(
+                "expected no power for the faces of different areas around a medium: give the light its scale",
+            ));
+        };
+        reader.add_object(medium.inside(surfaces::without_material(boundary.clone())), &params.at);
     }
-    if is_seen {
+    for (object, _) in objects.into_iter().filter(|(_, is_seen)| *is_seen) {
         reader.add_object(object, &params.at);
     }
     Ok(())
+}
+
+/// A shape, or those of its faces that are part of it.
+fn object(kind: &str, params: &Params, faces: Faces, look: On, reader: &mut Reader) -> Result<Object> {
+    let by = reader.state.ctm;
+    // A mirror image of a quadric is inside out in pbrt, that of a mesh or an instance is not.
+    let mirrors = (by.matrix3.determinant() < 0.0) != reader.state.is_in_mirror;
+    let flips = reader.state.is_reversed != mirrors;
+    match kind {
+        "sphere" => sphere(params, &by, flips, look, reader),
+        "disk" => disk(params, &by, flips, look, reader),
+        "cylinder" => {
+            let (radius, turn) = radius_and_turn(params)?;
+            let (low, high) = (params.number_or("zmin", -1.0)?, params.number_or("zmax", 1.0)?);
+            let scale = DAffine3::from_scale(DVec3::new(radius, radius, high - low));
+            let placed = by * DAffine3::from_translation(DVec3::new(0.0, 0.0, low)) * scale;
+            Ok(made(params, mesh::cylinder(turn), &placed, flips, look, reader))
+        }
+        "plymesh" if faces.is_none() => file_mesh(params, &by, look, reader),
+        _ if let Some(mut mesh) = mesh_of(kind, params, look.1.is_some(), reader)? => {
+            if let Some(faces) = faces {
+                let part = mesh::part(&mesh, |face| faces.contains(&(face / split(kind))));
+                mesh = Arc::new(part.map_err(|reason| params.error(reason))?);
+            }
+            Ok(made(params, Arc::unwrap_or_clone(mesh), &by, reader.state.is_reversed, look, reader))
+        }
+        _ => Err(params.error(format!("this shape is not read: expected one of {KNOWN}"))),
+    }
 }
 
 /// The shapes of an object, placed.
@@ -125,12 +149,10 @@ pub fn instance(name: &str, at: &Place, reader: &mut Reader) -> Result<()> {
 }
 
 /// The name of the material of a shape, which may emit and have an alpha, or nothing for an interface; and the mapping of its textures.
-fn surface(kind: &str, params: &Params, inside: Option<&Medium>, reader: &mut Reader) -> Result<On> {
+fn surface(params: &Params, inside: Option<&Medium>, power: f64, reader: &mut Reader) -> Result<On> {
     reader.mapping = reader.looks[reader.state.look].mapping;
     let alpha = number_or(params, "alpha", 1.0, reader)?;
     let absorption = inside.filter(|medium| medium.albedo == Colour::ZERO).map(|medium| medium.extinction);
-    let area = reader.state.area.filter(|area| reader.areas.get(*area).is_some_and(|area| area.is_power));
-    let power = if area.is_some() { unit_power(kind, params, reader)? } else { 1.0 };
     let key = (reader.state.look, reader.state.area, format!("{alpha:?} {absorption:?} {power}"));
     if let Some(known) = reader.known.get(&key) {
         return Ok(known.clone());
@@ -180,12 +202,36 @@ fn bounds(kind: &str, params: &Params, reader: &mut Reader) -> Result<Aabb> {
     Ok(Aabb { min: DVec3::new(-radius, -radius, low), max: DVec3::new(radius, radius, high) })
 }
 
-/// The power of a shape with a radiance of 1: π times the area that pbrt counts. That is the area before the transform, or of a mesh that of each face.
-fn unit_power(kind: &str, params: &Params, reader: &mut Reader) -> Result<f64> {
+/// The lights that a shape is by pbrt, with their faces. The power of each with a radiance of 1 is π times its area. That is the area before the transform, or of a mesh that
+/// of each face, which is a light of its own. Faces of one area are together.
+fn lamps(kind: &str, params: &Params, reader: &mut Reader) -> Result<Vec<(f64, Faces)>> {
+    let area = reader.state.area.and_then(|area| reader.areas.get(area));
+    if !area.is_some_and(|area| area.is_power) {
+        return Ok(vec![(1.0, None)]);
+    }
     if let Some(mesh) = mesh_of(kind, params, false, reader)? {
-        let area = area_of_faces(&mesh, if kind == "bilinearmesh" { 2 } else { 1 }, &reader.state.ctm);
-        let message = "expected faces of one area, each of which has the power of its light: give the light its scale";
-        return Ok(PI * area.ok_or_else(|| params.error(message))?);
+        let areas = areas_of_faces(&mesh, split(kind), &reader.state.ctm);
+        let mut lamps: Vec<(f64, HashSet<u32>)> = Vec::new();
+        for (area, face) in &areas {
+            match lamps.last_mut() {
+                Some((power, faces)) if PI * area >= (1.0 - 1e-3) * *power => _ = faces.insert(*face),
+                _ => lamps.push((PI * area, HashSet::from([*face]))),
+            }
+        }
+        return match lamps[..] {
+            [] => Err(params.error("expected faces with an area, each of which has the power of its light")),
+            [(power, _)] => Ok(vec![(power, None)]),
+            _ if areas.len() <= MOST_LAMPS => {
+                Ok(lamps.into_iter().map(|(power, faces)| (power, Some(faces))).collect())
+            }
+            _ => {
+                let message = format!(
+                    "expected at most {MOST_LAMPS} faces of different areas, each of which has the power of its light, found {}",
+                    areas.len()
+                );
+                Err(params.error(message + ": give the light its scale"))
+            }
+        };
     }
     let ((radius, turn), number) = (radius_and_turn(params)?, |name, usual| params.number_or(name, usual));
     let area = match kind {
@@ -194,21 +240,28 @@ fn unit_power(kind: &str, params: &Params, reader: &mut Reader) -> Result<f64> {
             2.0 * PI * turn * radius * (number("zmax", radius)?.min(radius) - number("zmin", -radius)?.max(-radius))
         }
         "cylinder" => 2.0 * PI * turn * radius * (number("zmax", 1.0)? - number("zmin", -1.0)?),
-        _ => return Ok(PI),
+        _ => 1.0,
     };
-    Ok(PI * area)
+    Ok(vec![(PI * area, None)])
 }
 
-/// The area of each face, if all have one. `split`: how many faces of the mesh are one of pbrt's.
-fn area_of_faces(mesh: &Mesh, split: u32, by: &DAffine3) -> Option<f64> {
+/// The areas of faces with their numbers, the largest first. `split`: how many faces of the mesh are one of pbrt's.
+fn areas_of_faces(mesh: &Mesh, split: u32, by: &DAffine3) -> Vec<(f64, u32)> {
     let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
     let corner = |corner: u32| by.transform_point3(mesh.positions.get(corner as usize).copied().unwrap_or_default());
     for (number, triangle) in mesh.triangles.iter().enumerate() {
         let [a, b, c] = triangle.map(corner);
         *areas.entry(mesh.face(number) / split).or_default() += 0.5 * (b - a).cross(c - a).length();
     }
-    let (least, most) = areas.values().fold((f64::MAX, 0.0_f64), |(least, most), own| (own.min(least), own.max(most)));
-    (most - least <= 1e-3 * most && most > 0.0).then_some(most)
+    let areas = areas.into_iter().filter(|(_, area)| *area > 0.0);
+    let mut all: Vec<(f64, u32)> = areas.map(|(face, area)| (area, face)).collect();
+    all.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    all
+}
+
+/// How many faces of a mesh are one of pbrt's.
+fn split(kind: &str) -> u32 {
+    if kind == "bilinearmesh" { 2 } else { 1 }
 }
 
 /// The mesh of a directive that has one.

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::params::Params;
 use super::reader::{AS_THEY_ARE, Mapping, Reader};
-use crate::bitmap::{Channel, Decoding, from_srgb};
+use crate::bitmap::{Channel, from_srgb};
 use crate::error::Result;
 use crate::printable::quote;
 use crate::scene::gltf_path::has_ending;
@@ -31,28 +31,38 @@ pub fn texture(kind: &str, is_colour: bool, params: &Params, reader: &mut Reader
             let parts = [a, b, part(params, "amount", 0.5, false, reader)?];
             baked(params, is_colour, parts, |[a, b, amount]| a + amount * (b - a), reader)?
         }
-        "checkerboard" => {
-            if params.integer_or("dimension", 2)? != 2 {
-                return Err(params.error_at("dimension", "expected 2: others are not read"));
-            }
-            let wrong = |name| move || params.error_at(name, "a texture in a checkerboard is not read");
-            let mut plain = |name, default| one(name, default, reader)?.plain().ok_or_else(wrong(name));
-            Texture::Checker { scale: 0.5, even: plain("tex1", 1.0)?, odd: plain("tex2", 0.0)?, uv: true }
-        }
+        "checkerboard" => checkerboard(params, is_colour, reader)?,
         "imagemap" => image_map(is_colour, params, reader)?,
         _ => {
             let message = "this texture is not read: expected constant, scale, mix, checkerboard or imagemap";
             return Err(params.error(message));
         }
     };
-    let own = match kind {
-        "imagemap" => Some(mapping(params)?),
-        // Texture coordinates repeat at 1, where two squares have passed.
-        "checkerboard" => Some(mapping(params)?.map(|part| 0.5 * part)),
-        _ => None,
-    };
+    if kind == "imagemap" {
+        reader.mapping = Some(mapping(params)?);
+    }
     reader.end(params);
-    Ok((found, own.or(reader.mapping.take()).unwrap_or(AS_THEY_ARE)))
+    Ok((found, reader.mapping.take().unwrap_or(AS_THEY_ARE)))
+}
+
+/// Squares of two textures, each of which may have a mapping of its own.
+fn checkerboard(params: &Params, is_colour: bool, reader: &mut Reader) -> Result<Texture> {
+    if params.integer_or("dimension", 2)? != 2 {
+        return Err(params.error_at("dimension", "expected 2: others are not read"));
+    }
+    let mut inner = |name: &str, default: f64| {
+        reader.mapping = None;
+        let own = part(params, name, default, is_colour, reader)?;
+        Ok((own, reader.mapping.unwrap_or(AS_THEY_ARE)))
+    };
+    let (even, odd) = (inner("tex1", 1.0)?, inner("tex2", 0.0)?);
+    let is_odd = Texture::Checker { scale: 0.5, even: Colour::ZERO, odd: Colour::ONE, uv: true };
+    // Texture coordinates repeat at 1, where two squares have passed.
+    let squares = mapping(params)?.map(|part| 0.5 * part);
+    let of = |[even, odd, is_odd]: [Colour; 3]| even * (1.0 - is_odd) + odd * is_odd;
+    let (found, mapping) = made_of(params, is_colour, [even, odd, (is_odd, squares)], of, reader)?;
+    reader.mapping = Some(mapping);
+    Ok(found)
 }
 
 /// The image of a file. A number is its alpha where that is not 1 everywhere, as pbrt has it, or the mean of its channels.
@@ -113,8 +123,7 @@ fn image_map(is_colour: bool, params: &Params, reader: &mut Reader) -> Result<Te
     Ok(if inverts { own } else { own.map(|tint| scale * tint) })
 }
 
-/// A texture whose values are `of` those of others: where they are images, an image that no file has. pbrt takes `of` what it interpolates between texels,
-/// which is the same unless an image is multiplied by the last one.
+/// A texture whose values are `of` those of others, which have one mapping.
 pub fn baked<const N: usize>(
     params: &Params,
     is_colour: bool,
@@ -122,30 +131,90 @@ pub fn baked<const N: usize>(
     of: impl Fn([Colour; N]) -> Colour,
     reader: &mut Reader,
 ) -> Result<Texture> {
-    let mut sources: [Part; N] = std::array::from_fn(|_| (None, Colour::ZERO));
-    for (source, part) in sources.iter_mut().zip(&parts) {
-        *source = match (part, part.plain()) {
-            (_, Some(colour)) => (None, colour),
-            (Texture::Image { path, tint, channel, .. }, _) => {
-                let image = reader.made.image(path, channel.map_or(Decoding::Colour, Channel::decoding));
-                (Some(image.map_err(|reason| params.error(format!("{path}: {reason}")))?), *tint)
-            }
-            _ => return Err(params.error("a checkerboard in it is not read")),
-        };
+    let (found, _) = made_of(params, is_colour, parts.map(|part| (part, AS_THEY_ARE)), of, reader)?;
+    Ok(found)
+}
+
+/// A texture whose values are `of` those of others, with its mapping. Where they are images, or differ in their mappings, it is an image that no file has.
+/// pbrt takes `of` what it interpolates between texels, which is the same unless an image is multiplied by the last one, or by squares.
+fn made_of<const N: usize>(
+    params: &Params,
+    is_colour: bool,
+    parts: [(Texture, Mapping); N],
+    of: impl Fn([Colour; N]) -> Colour,
+    reader: &mut Reader,
+) -> Result<(Texture, Mapping)> {
+    let varying: Vec<_> = parts.iter().filter(|(part, _)| part.needs_uv()).collect();
+    let mappings: Vec<Mapping> = varying.iter().map(|(_, mapping)| *mapping).collect();
+    let first = mappings.first().copied().unwrap_or(AS_THEY_ARE);
+    let has_squares = varying.iter().any(|(part, _)| matches!(part, Texture::Checker { .. }));
+    let has_images = varying.iter().any(|(part, _)| matches!(part, Texture::Image { .. }));
+    if !has_images && mappings.iter().all(|mapping| *mapping == first) {
+        let colours = |is_odd: bool| parts.each_ref().map(|(part, _)| of_square(part, is_odd));
+        let (even, odd) = (of(colours(false)), of(colours(true)));
+        let squares = Texture::Checker { scale: 0.5, even, odd, uv: true };
+        return Ok((if has_squares { squares } else { even.into() }, first));
     }
-    let mut images = parts.iter().zip(&sources).filter_map(|(part, (image, _))| Some((part.wrap(), image.as_ref()?)));
-    let Some((wrap, first)) = images.next() else { return Ok(of(sources.map(|(_, colour)| colour)).into()) };
-    if images.clone().any(|(other, _)| other != wrap) {
-        return Err(params.error("expected one wrap of all its images"));
+    let wrap = varying.first().map_or(Wrap::Repeat, |(part, _)| part.wrap());
+    if varying.iter().any(|(part, _)| part.wrap() != wrap) {
+        return Err(params.error("expected one wrap of all its images, which is repeat in a checkerboard"));
     }
-    if images.clone().any(|(_, other)| (other.width, other.height) != (first.width, first.height)) {
+    let wrong = "expected a uscale and a vscale whose ratio to those of its textures is a number such as 8, 1/2 or 3/2, in parts of 1/16 at least";
+    let over = common(&mappings).ok_or_else(|| params.error(wrong))?;
+    let mut sources = parts.map(|(texture, own)| {
+        let scale = (own[0] / over[0]).round();
+        Part { texture, bitmap: None, mapping: [scale, own[1] - scale * over[1]] }
+    });
+    for part in &mut sources {
+        if let Some((path, decoding)) = part.texture.decoded() {
+            let image = reader.made.image(path, decoding);
+            part.bitmap = Some(image.map_err(|reason| params.error(format!("{path}: {reason}")))?);
+        }
+    }
+    let mut sizes = sources.iter().filter_map(Part::texels);
+    let largest = sizes.next();
+    if sizes.any(|size| Some(size) != largest) {
         reader.lose(params, "", "its images have different sizes: here all have that of the largest");
     }
-    if images.next().is_some() && sources.last().is_some_and(|(image, _)| image.is_some()) {
+    if has_squares {
+        reader.lose(params, "", "the edges of its squares are a texel wide here");
+    }
+    let is_image = |part: &&Part| part.bitmap.is_some();
+    if sources.iter().filter(is_image).count() > 1 && sources.last().filter(is_image).is_some() {
         reader.lose(params, "", "its images are multiplied at texels here: between them it differs");
     }
-    let path = reader.made.add_image(&sources, wrap, of).map_err(|reason| params.error(reason))?;
-    Ok(Texture::Image { path, tint: Colour::ONE, channel: (!is_colour).then_some(Channel::R), uv_set: 0, wrap })
+    let path = reader.made.add_image(&sources, of).map_err(|reason| params.error(reason))?;
+    let channel = (!is_colour).then_some(Channel::R);
+    Ok((Texture::Image { path, tint: Colour::ONE, channel, uv_set: 0, wrap }, over))
+}
+
+/// The colour of a texture in a square.
+fn of_square(texture: &Texture, is_odd: bool) -> Colour {
+    match texture {
+        Texture::Checker { even, odd, .. } => {
+            if is_odd {
+                *odd
+            } else {
+                *even
+            }
+        }
+        other => other.plain().unwrap_or_default(),
+    }
+}
+
+/// The mapping of an image in which textures of these mappings are complete, each a whole number of times: that of the one which is scaled the least, or a
+/// small part of it.
+fn common(all: &[Mapping]) -> Option<Mapping> {
+    let mut found = AS_THEY_ARE;
+    for axis in 0..2 {
+        let [scale, shift] =
+            all.iter().min_by(|a, b| a[0][axis].abs().total_cmp(&b[0][axis].abs()))?.map(|part| part[axis]);
+        let is_whole = |ratio: f64| (ratio - ratio.round()).abs() <= 1e-6;
+        let fits = |parts: &f64| all.iter().all(|own| is_whole(own[0][axis] * parts / scale));
+        let parts = (1..=16).map(f64::from).find(fits)?;
+        (found[0][axis], found[1][axis]) = (scale / parts, shift / parts);
+    }
+    Some(found)
 }
 
 fn mapping(params: &Params) -> Result<Mapping> {
