@@ -60,20 +60,23 @@ impl Medium {
     }
 }
 
-/// Whether a material is a matt black without holes, which may be a lamp.
-pub fn is_black(material: &Material) -> bool {
-    let black = Texture::grey(0.0);
-    matches!(material, Material::Lambertian(own) if own.albedo == black && own.alpha == Texture::grey(1.0))
+pub fn lambertian(albedo: Texture, one_sided: bool) -> Material {
+    Material::Lambertian(Lambertian { albedo, one_sided, ..Lambertian::default() })
 }
 
-/// The emission of a material, and whether that is of its front alone, if it can have one.
-pub fn emission_of(material: &mut Material) -> Option<(&mut Option<Texture>, &mut bool)> {
-    match material {
-        Material::Lambertian(own) => Some((&mut own.emission, &mut own.one_sided_emission)),
-        Material::Plastic(own) => Some((&mut own.emission, &mut own.one_sided_emission)),
-        Material::Pbr(own) => Some((&mut own.emission, &mut own.one_sided_emission)),
-        _ => None,
-    }
+/// The material that emits light too, if it can. A matt black without holes is a lamp.
+pub fn emitting(mut material: Material, emit: Texture, two_sided: bool) -> Option<Material> {
+    let (emission, one_sided) = match &mut material {
+        Material::Lambertian(own) if own.albedo == Texture::grey(0.0) && own.alpha == Texture::grey(1.0) => {
+            return Some(Material::DiffuseLight(DiffuseLight { emit, two_sided, light_group: None }));
+        }
+        Material::Lambertian(own) => (&mut own.emission, &mut own.one_sided_emission),
+        Material::Plastic(own) => (&mut own.emission, &mut own.one_sided_emission),
+        Material::Pbr(own) => (&mut own.emission, &mut own.one_sided_emission),
+        _ => return None,
+    };
+    (*emission, *one_sided) = (Some(emit), !two_sided);
+    Some(material)
 }
 
 pub fn alpha_of(material: &mut Material) -> Option<&mut Texture> {

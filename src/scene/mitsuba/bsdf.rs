@@ -61,7 +61,7 @@ fn of_kind<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a, '_>) -> 
         "diffuse" => {
             // Scenes before 2 may have either name.
             let name = if own.has("diffuse_reflectance") { "diffuse_reflectance" } else { "reflectance" };
-            Some(lambertian(texture_or(&own, name, 0.5, reader)?, !two_sided))
+            Some(surface::lambertian(texture_or(&own, name, 0.5, reader)?, !two_sided))
         }
         "conductor" | "roughconductor" => Some(conductor(&own, kind == "roughconductor", !two_sided, reader)?),
         "dielectric" | "roughdielectric" | "thindielectric" => Some(dielectric(&own, kind, reader)?),
@@ -144,10 +144,6 @@ fn principled<'a>(own: &Properties<'a>, one_sided: bool, reader: &mut Reader<'a,
         sheen_roughness: Texture::grey(if sheen > 0.0 { 0.5 } else { 0.0 }),
         ..Pbr::default()
     }))
-}
-
-pub fn lambertian(albedo: Texture, one_sided: bool) -> Material {
-    Material::Lambertian(Lambertian { albedo, one_sided, ..Lambertian::default() })
 }
 
 /// The BSDFs that another is made of.
@@ -311,18 +307,6 @@ fn share<'a>(own: &Properties<'a>, name: &str, default: f64, reader: &mut Reader
         Texture::Rgb(r, g, b) if r != g || g != b => {
             Err(own.find(name).unwrap_or(own.node).error(format!("expected one number for {name}, found a colour")))
         }
-        Texture::Image { path, tint, uv_set, wrap, .. } => {
-            let is_raw = own.find(name).and_then(|node| reader.follow(node, "texture").ok()).is_some_and(|node| {
-                node.children
-                    .iter()
-                    .any(|child| child.attribute("name") == Some("raw") && child.attribute("value") == Some("true"))
-            });
-            if !is_raw && !is_linear(&path) {
-                let node = own.find(name).unwrap_or(own.node);
-                reader.lose(node, "its codes count as linear here: write raw as true");
-            }
-            Ok(Texture::Image { path, tint, channel: None, uv_set, wrap })
-        }
         other => Ok(other),
     }
 }
@@ -376,6 +360,9 @@ fn texture<'a>(node: &'a Node, is_number: bool, reader: &mut Reader<'a, '_>) -> 
     own.ignore(&["accel", "format"]);
     let path = reader.path(path, node);
     let is_raw = own.flag_or("raw", is_linear(&path))?;
+    if is_number && !is_raw && !is_linear(&path) {
+        reader.lose(node, "its codes count as linear here: write raw as true");
+    }
     let channel = (is_raw && !is_linear(&path) && !is_number).then_some(Channel::Rgb);
     if own.word("filter_type")?.is_some_and(|filter| filter == "nearest") {
         reader.lose(node, "its texels are blended here, not the nearest taken");

@@ -60,7 +60,7 @@ pub fn sensor<'a>(node: &'a Node, reader: &mut Reader<'a, '_>) -> Result<(Camera
     }
     let from = to_world.translation;
     // Media are where their boundaries are.
-    reader.outside = own.elements("medium", reader).is_empty().then_some((node, from));
+    reader.made.outside = own.elements("medium", reader).is_empty().then(|| (node.at.clone(), node.title(), from));
     let mut camera = Camera::pinhole(from, from + z / lengths[2], y / lengths[1], 45.0);
     camera.mirror = to_world.matrix3.determinant() < 0.0;
     camera.vertical_fov = None;

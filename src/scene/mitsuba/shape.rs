@@ -11,13 +11,10 @@ use super::reader::Reader;
 use super::{bsdf, serialized};
 use crate::error::Result;
 use crate::lobe::anisotropy::ANISOTROPY;
-use crate::scene::draft::MOST_BYTES;
 use crate::scene::file::{self, OnProgress};
-use crate::scene::imported::bodies::Body;
 use crate::scene::imported::surface::Medium;
 use crate::scene::imported::transform::moved;
-use crate::scene::imported::{mesh, surface};
-use crate::scene::mesh_files::load_file;
+use crate::scene::imported::{Body, mesh, surface};
 use crate::scene::types::*;
 use crate::shape::Aabb;
 use crate::shape::mesh::Mesh;
@@ -118,7 +115,7 @@ pub fn shape<'a>(
         reader.lose(node, "its image ends at the poles here: Mitsuba blends its first row with its last");
     }
     let around = Aabb::around(around.corners().map(|p| to_world.transform_point3(p)));
-    reader.bodies.push(Body {
+    reader.made.bodies.push(Body {
         at: node.at.clone(),
         title: node.title(),
         around,
@@ -174,7 +171,7 @@ fn instance<'a>(
     own.end(reader);
     let is_even = moved(to_world, Object::Group(Vec::new())).is_some();
     let inner = if is_even { DAffine3::IDENTITY } else { *to_world };
-    let (mut objects, bodies) = (Vec::new(), reader.bodies.len());
+    let (mut objects, bodies) = (Vec::new(), reader.made.bodies.len());
     for child in &group.children {
         if child.tag != "shape" {
             return Err(child.error("expected shapes in a shapegroup, and nothing else"));
@@ -191,7 +188,7 @@ fn instance<'a>(
         reader.grouped.insert(key, known);
     }
     // Where these are is not where instances are.
-    reader.bodies.truncate(bodies);
+    reader.made.bodies.truncate(bodies);
     let group = Object::Group(objects);
     Ok(if is_even { moved(to_world, group.clone()).unwrap_or(group) } else { group })
 }
@@ -253,17 +250,12 @@ fn file_mesh(
     let flipped_uvs = own.flag_or("flip_tex_coords", kind == "obj")?;
     let number = own.integer_or("shape_index", 0)?;
     let number = usize::try_from(number).map_err(|_| node.error("expected a shape_index of 0 or more"))?;
-    let read = match reader.of_files.get(&path).filter(|_| kind != "serialized") {
-        Some(known) => Arc::clone(known),
-        None if kind == "serialized" => {
-            let bytes = file::read(&path, "mesh", file::LONGEST).map_err(broken)?;
-            Arc::new(serialized::read(&bytes, number).map_err(broken)?)
-        }
-        None => load_file(&path, MOST_BYTES, progress).map_err(broken)?.0,
+    let read = if kind == "serialized" {
+        let bytes = file::read(&path, "mesh", file::LONGEST).map_err(broken)?;
+        Arc::new(serialized::read(&bytes, number).map_err(broken)?)
+    } else {
+        reader.made.mesh(&path, progress).map_err(broken)?
     };
-    if kind != "serialized" {
-        reader.of_files.insert(path.clone(), Arc::clone(&read));
-    }
     // The file's v is upwards as ours, unless Mitsuba takes it as it is.
     let turned = DAffine3::from_translation(DVec3::Y) * DAffine3::from_scale(DVec3::new(1.0, -1.0, 1.0));
     let to_uv = surface.to_uv * if flipped_uvs { DAffine3::IDENTITY } else { turned };
@@ -338,7 +330,7 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a, '_>) -> Result<Surf
         None => {
             let mut found = match of_bsdf {
                 Some(found) => bsdf::material(found, false, reader)?,
-                None => Some(bsdf::lambertian(Texture::grey(if emission.is_some() { 0.0 } else { 0.5 }), true)),
+                None => Some(surface::lambertian(Texture::grey(if emission.is_some() { 0.0 } else { 0.5 }), true)),
             };
             if absorption.is_some() {
                 let slot = found.as_mut().and_then(surface::absorption_of);
@@ -348,7 +340,10 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a, '_>) -> Result<Surf
             let found = match (found, emission) {
                 (found, None) => found,
                 (None, Some(_)) => return Err(node.error("an area emitter without a surface is not read")),
-                (Some(found), Some((emitter, emission))) => Some(emitting(found, emission, emitter)?),
+                (Some(found), Some((emitter, emission))) => {
+                    let wrong = || emitter.error("only diffuse and plastic surfaces can emit here");
+                    Some(surface::emitting(found, emission, false).ok_or_else(wrong)?)
+                }
             };
             let to_uv = reader.to_uv.unwrap_or(DAffine3::IDENTITY);
             let made = found.map(|material| (reader.add_material(material, of_bsdf.unwrap_or(node)), to_uv));
@@ -369,15 +364,4 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a, '_>) -> Result<Surf
     let is_glass = all.iter().any(|own| matches!(own, Material::Dielectric(_) | Material::RoughDielectric(_)));
     let inside = inside.filter(|_| absorption.is_none());
     Ok(Surface { material, is_textured, to_uv, inside, has_image, is_glass, emits })
-}
-
-/// A material that emits.
-fn emitting(mut material: Material, emission: Texture, emitter: &Node) -> Result<Material> {
-    if surface::is_black(&material) {
-        return Ok(Material::DiffuseLight(DiffuseLight { emit: emission, two_sided: false, light_group: None }));
-    }
-    let slot = surface::emission_of(&mut material);
-    let (own, one_sided) = slot.ok_or_else(|| emitter.error("only diffuse and plastic surfaces can emit here"))?;
-    (*own, *one_sided) = (Some(emission), true);
-    Ok(material)
 }

@@ -68,7 +68,7 @@ pub fn camera(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
     let from = plain(to_world.translation);
     let mut camera = Camera::pinhole(from, from + plain(z / longest), plain(y / longest), 45.0);
     camera.vertical_fov = None;
-    reader.camera = (!reader.state.has_outside).then(|| (params.at.clone(), params.title.clone(), from));
+    reader.made.outside = (!reader.state.has_outside).then(|| (params.at.clone(), params.title.clone(), from));
     // With an x that is the viewer's left, as LookAt alone gives, the image is mirrored.
     camera.mirror = to_world.matrix3.determinant() > 0.0;
     reader.film.scale *= params.number_or("shutterclose", 1.0)? - params.number_or("shutteropen", 0.0)?;

@@ -89,10 +89,6 @@ pub fn light(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
             }
         }
         "infinite" => {
-            if reader.made.parts.background.is_some() {
-                return Err(params.error("expected one infinite light, found another"));
-            }
-            reader.made.place(&["background"], &params.at);
             if params.has("portal") {
                 params.ignore(&["portal"]);
                 reader.lose(params, "portal", "its light comes from beside its portal too");
@@ -107,16 +103,16 @@ pub fn light(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
                 _ => PI,
             };
             let tint = emitted(params, "L", ("illuminance", of_plane), reader)?;
-            reader.made.parts.background = Some(match path {
+            let background = match path {
                 None => Background::Solid(tint),
                 Some(path) => {
                     let by =
                         turns(&ctm).ok_or_else(|| params.error("expected a transform that turns the sky alone"))?;
                     Background::Image { path, tint, by, layout: SkyLayout::Octahedral }
                 }
-            });
+            };
             reader.end(params);
-            return Ok(());
+            return reader.made.set_background(background, &params.title, &params.at);
         }
         _ => return Err(params.error("this light is not read: expected point, spot, distant or infinite")),
     };

@@ -7,7 +7,7 @@ use super::reader::{AS_THEY_ARE, Reader};
 use super::texture::{baked, number_or, texture_or};
 use crate::error::Result;
 use crate::printable::quote;
-use crate::scene::imported::surface::Facets;
+use crate::scene::imported::surface::{Facets, lambertian};
 use crate::scene::imported::tables;
 use crate::scene::types::*;
 
@@ -40,7 +40,7 @@ pub fn material(kind: &str, params: &Params, reader: &mut Reader) -> Result<Opti
     }
     let found = match kind {
         "" | "none" | "interface" => None,
-        "diffuse" => Some(lambertian(texture_or(params, "reflectance", 0.5, reader)?)),
+        "diffuse" => Some(lambertian(texture_or(params, "reflectance", 0.5, reader)?, false)),
         "coateddiffuse" => Some(coated(params, reader)?),
         "diffusetransmission" => Some(translucent(params, reader)?),
         "dielectric" => {
@@ -71,16 +71,12 @@ pub fn material(kind: &str, params: &Params, reader: &mut Reader) -> Result<Opti
             reader.lose(params, "", "it becomes a matt surface");
             let albedo = texture_or(params, "reflectance", 0.5, reader)?;
             params.ignore_all();
-            Some(lambertian(albedo))
+            Some(lambertian(albedo, false))
         }
         _ => return Err(params.error(format!("this material is not read: expected one of {KNOWN}"))),
     };
     reader.end(params);
     Ok(found)
-}
-
-pub fn lambertian(albedo: Texture) -> Material {
-    Material::Lambertian(Lambertian { albedo, ..Lambertian::default() })
 }
 
 /// A matt body under a layer. Ours lets all light pass, so that what the layer of pbrt absorbs is taken from the body.
@@ -214,7 +210,7 @@ fn of_metal(params: &Params, name: &str, first: usize) -> Result<Colour> {
 
 fn mix(params: &Params, reader: &mut Reader) -> Result<Material> {
     let names = params.words("materials")?;
-    let [a, b] = names[..] else {
+    let [a, b] = names else {
         return Err(params.error_at("materials", format!("expected the names of two materials, found {}", names.len())));
     };
     let mut name_of = |name: &str| {

@@ -8,18 +8,15 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec2};
 
-use super::material::lambertian;
 use super::params::Params;
-use super::reader::{AS_THEY_ARE, Mapping, On, Reader, State};
+use super::reader::{AS_THEY_ARE, Area, Mapping, On, Reader, State};
 use super::texture::number_or;
 use crate::error::Result;
 use crate::printable::quote;
 use crate::scene::draft::{Draft, MOST_BYTES};
-use crate::scene::imported::bodies::Body;
 use crate::scene::imported::surface::Medium;
 use crate::scene::imported::transform::moved;
-use crate::scene::imported::{Place, mesh, surface as surfaces};
-use crate::scene::mesh_files::load_file;
+use crate::scene::imported::{Body, Place, mesh, surface as surfaces};
 use crate::scene::types::*;
 use crate::shape::Aabb;
 use crate::shape::mesh::Mesh;
@@ -70,7 +67,7 @@ pub fn shape(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
     if (is_glass || emits || has_medium) && reader.definition.is_none() {
         let around = Aabb::around(bounds(kind, params, reader)?.corners().map(|p| by.transform_point3(p)));
         let (at, title) = (params.at.clone(), params.title.clone());
-        reader.bodies.push(Body { at, title, around, is_glass, emits, has_medium });
+        reader.made.bodies.push(Body { at, title, around, is_glass, emits, has_medium });
     }
     if let Some((medium, at)) = inside {
         if medium.extinction != Colour::splat(medium.extinction.x) {
@@ -153,38 +150,28 @@ fn surface(params: &Params, inside: Option<&Medium>, power: f64, reader: &mut Re
     reader.mapping = reader.looks[reader.state.look].mapping;
     let alpha = number_or(params, "alpha", 1.0, reader)?;
     let absorption = inside.filter(|medium| medium.albedo == Colour::ZERO).map(|medium| medium.extinction);
-    let key = (reader.state.look, reader.state.area, format!("{alpha:?} {absorption:?} {power}"));
-    if let Some(known) = reader.known.get(&key) {
-        return Ok(known.clone());
-    }
-    let look = &reader.looks[key.0];
+    let look = &reader.looks[reader.state.look];
     let (mut found, name, at) = (look.material.clone(), look.name.clone(), look.at.clone());
-    let area = reader.state.area.and_then(|area| reader.areas.get(area));
-    let light = area.map(|area| (area.radiance / power, area.is_two_sided, area.at.clone()));
     if let Some(slot) = found.as_mut().and_then(surfaces::absorption_of) {
         *slot = absorption;
     }
-    if let Some((radiance, two_sided, place)) = light {
-        let emit = Texture::from(radiance);
-        let own = found.get_or_insert_with(|| lambertian(Texture::grey(0.0)));
-        if alpha == Texture::grey(0.0) {
-            reader.made.lose(&place, "AreaLightSource", "a lamp that nobody sees is left out");
-        }
-        if surfaces::is_black(own) && alpha == Texture::grey(1.0) {
-            *own = Material::DiffuseLight(DiffuseLight { emit, two_sided, light_group: None });
-        } else {
-            let wrong = || place.error("AreaLightSource", "only diffuse and coateddiffuse shapes can emit here");
-            let (emission, one_sided) = surfaces::emission_of(own).ok_or_else(wrong)?;
-            (*emission, *one_sided) = (Some(emit), !two_sided);
-        }
+    let area = reader.state.area.and_then(|area| reader.areas.get(area));
+    if area.is_some() {
+        found.get_or_insert_with(|| surfaces::lambertian(Texture::grey(0.0), false));
     }
     if alpha != Texture::grey(1.0) {
         let wrong = || params.error_at("alpha", "expected 1 for this material: others have no alpha here");
-        *found.as_mut().and_then(surfaces::alpha_of).ok_or_else(wrong)? = alpha;
+        *found.as_mut().and_then(surfaces::alpha_of).ok_or_else(wrong)? = alpha.clone();
     }
-    let made = (found.map(|material| reader.add_material(material, &name, &at)), reader.mapping.take());
-    reader.known.insert(key, made.clone());
-    Ok(made)
+    if let Some(Area { radiance, is_two_sided, at, .. }) = area {
+        let wrong = || at.error("AreaLightSource", "only diffuse and coateddiffuse shapes can emit here");
+        let emission = Texture::from(*radiance / power);
+        found = Some(found.and_then(|own| surfaces::emitting(own, emission, *is_two_sided)).ok_or_else(wrong)?);
+        if alpha == Texture::grey(0.0) {
+            reader.made.lose(at, "AreaLightSource", "a lamp that nobody sees is left out");
+        }
+    }
+    Ok((found.map(|material| reader.add_material(material, &name, &at)), reader.mapping.take()))
 }
 
 /// A box around a shape before its transform.
@@ -409,12 +396,6 @@ fn ply_path(params: &Params, reader: &Reader) -> Result<PathBuf> {
 fn read_file(params: &Params, reader: &mut Reader) -> Result<Arc<Mesh>> {
     let path = ply_path(params, reader)?;
     let broken = |reason: String| params.error_at("filename", format!("{}: {reason}", path.display()));
-    let files = reader.made.assets.stamp_files(&path);
     reader.made.add_file(&path);
-    if let Some((known, _)) = reader.made.assets.mesh(&path, &files) {
-        return Ok(known);
-    }
-    let (read, left) = load_file(&path, MOST_BYTES, reader.progress).map_err(broken)?;
-    reader.made.assets.keep_mesh(&path, files, (Arc::clone(&read), MOST_BYTES - left));
-    Ok(read)
+    reader.made.mesh(&path, reader.progress).map_err(broken)
 }

@@ -144,12 +144,11 @@ fn made_of<const N: usize>(
     of: impl Fn([Colour; N]) -> Colour,
     reader: &mut Reader,
 ) -> Result<(Texture, Mapping)> {
-    let varying: Vec<_> = parts.iter().filter(|(part, _)| part.needs_uv()).collect();
-    let mappings: Vec<Mapping> = varying.iter().map(|(_, mapping)| *mapping).collect();
-    let first = mappings.first().copied().unwrap_or(AS_THEY_ARE);
-    let has_squares = varying.iter().any(|(part, _)| matches!(part, Texture::Checker { .. }));
-    let has_images = varying.iter().any(|(part, _)| matches!(part, Texture::Image { .. }));
-    if !has_images && mappings.iter().all(|mapping| *mapping == first) {
+    let varying: Vec<&(Texture, Mapping)> = parts.iter().filter(|(part, _)| part.needs_uv()).collect();
+    let mappings: Vec<Mapping> = varying.iter().map(|(_, own)| *own).collect();
+    let images = varying.iter().filter(|(part, _)| part.decoded().is_some()).count();
+    let (has_squares, first) = (images < varying.len(), mappings.first().copied().unwrap_or(AS_THEY_ARE));
+    if images == 0 && mappings.iter().all(|own| *own == first) {
         let colours = |is_odd: bool| parts.each_ref().map(|(part, _)| of_square(part, is_odd));
         let (even, odd) = (of(colours(false)), of(colours(true)));
         let squares = Texture::Checker { scale: 0.5, even, odd, uv: true };
@@ -179,8 +178,7 @@ fn made_of<const N: usize>(
     if has_squares {
         reader.lose(params, "", "the edges of its squares are a texel wide here");
     }
-    let is_image = |part: &&Part| part.bitmap.is_some();
-    if sources.iter().filter(is_image).count() > 1 && sources.last().filter(is_image).is_some() {
+    if images > 1 && sources.last().is_some_and(|part| part.bitmap.is_some()) {
         reader.lose(params, "", "its images are multiplied at texels here: between them it differs");
     }
     let path = reader.made.add_image(&sources, of).map_err(|reason| params.error(reason))?;
@@ -191,13 +189,8 @@ fn made_of<const N: usize>(
 /// The colour of a texture in a square.
 fn of_square(texture: &Texture, is_odd: bool) -> Colour {
     match texture {
-        Texture::Checker { even, odd, .. } => {
-            if is_odd {
-                *odd
-            } else {
-                *even
-            }
-        }
+        Texture::Checker { odd, .. } if is_odd => *odd,
+        Texture::Checker { even, .. } => *even,
         other => other.plain().unwrap_or_default(),
     }
 }
