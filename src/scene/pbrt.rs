@@ -189,14 +189,12 @@ impl Reader<'_, '_> {
 
     fn begin_world(&mut self) -> Result<()> {
         self.in_world = true;
-        let camera = self.camera.take();
-        let made = camera.map_or(Ok(()), |(kind, params, ctm)| {
-            self.state.ctm = ctm;
-            camera::camera(&kind, &params, self)
-        });
         self.state.ctm = DAffine3::IDENTITY;
         self.systems.insert("world".to_owned(), DAffine3::IDENTITY);
-        made
+        match self.camera.take() {
+            Some((kind, params, ctm)) => camera::camera(&kind, &params, &ctm.inverse(), self),
+            None => Ok(()),
+        }
     }
 
     fn attribute(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>) -> Result<()> {

@@ -353,7 +353,7 @@ fn squares_may_have_textures() {
     let side = (found.len() as f64).sqrt() as usize;
     let at = |u: f64, v: f64| found[(u * side as f64) as usize + side * ((1.0 - v) * side as f64) as usize].x;
     let rows = [0.06, 0.19, 0.31, 0.44, 0.75].map(|u| [at(u, 0.06), at(u, 0.19), at(u, 0.7)]);
-    assert_eq!(rows, [[1.0, 0.0, 0.5], [0.0, 1.0, 0.5], [1.0, 0.0, 0.5], [0.0, 1.0, 0.5], [0.5, 0.5, 1.0]]);
+    assert_eq!(rows, [[1.0, 0.0, 0.5], [0.0, 1.0, 0.5], [1.0, 0.0, 0.5], [0.0, 1.0, 0.5], [0.5, 0.5, 0.0]]);
     let clamped = format!("{} \"string wrap\" \"clamp\" {}", T.replace("\"t\"", "\"s\""), checkerboard(inner));
     let refused = load(&files(&clamped).path().join("a.pbrt"), false).expect_err("it ends").to_string();
     assert!(

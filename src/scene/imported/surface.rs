@@ -26,6 +26,16 @@ pub fn sphere(by: &DAffine3, material: &Option<String>, textures: Option<bool>) 
     }
 }
 
+/// The disk of a radius around a point that the disk around the z axis becomes, if it stays round.
+pub fn disk(by: &DAffine3, center: DVec3, radius: f64, flips: bool, material: &Option<String>) -> Option<Object> {
+    let (x, y) = (by.matrix3.x_axis, by.matrix3.y_axis);
+    let is_even = (x.length() - y.length()).abs() <= 1e-6 * x.length() && x.dot(y).abs() <= 1e-6 * x.length_squared();
+    let normal = by.matrix3.inverse().transpose().z_axis.normalize_or(DVec3::Z);
+    let normal = if flips { -normal } else { normal };
+    let (radius, material) = (radius * x.length(), material.clone());
+    is_even.then_some(Object::Disk { center: by.transform_point3(center), normal, radius, material })
+}
+
 /// The same shape as the boundary of a medium.
 pub fn without_material(mut object: Object) -> Object {
     let inner = if let Object::Transformed { object, .. } = &mut object { &mut **object } else { &mut object };
@@ -97,6 +107,15 @@ pub fn absorption_of(material: &mut Material) -> Option<&mut Option<Colour>> {
     }
 }
 
+/// The part of a mix, if a material can be one. `absent` says what is wrong without one.
+pub fn mixed(material: Option<Material>, absent: &str) -> Result<Material, String> {
+    let material = material.ok_or(absent)?;
+    match material.not_mixed() {
+        Some(reason) => Err(format!("it cannot be mixed here, because it {reason}")),
+        None => Ok(material),
+    }
+}
+
 /// Microfacets by our parameters.
 pub struct Facets {
     /// The square root of the smaller alpha.
@@ -116,6 +135,27 @@ impl Facets {
             anisotropy: if most > least { ((most - least) / (1.0 - least)).sqrt() } else { 0.0 },
             rotation: if v > u { 90.0 } else { 0.0 },
             distribution,
+        }
+    }
+    /// A conductor of these facets, and of the usual index.
+    pub fn conductor(self) -> Conductor {
+        Conductor {
+            roughness: Texture::grey(self.roughness),
+            distribution: self.distribution,
+            anisotropy: self.anisotropy,
+            anisotropy_rotation: self.rotation,
+            ..Conductor::default()
+        }
+    }
+
+    /// A dielectric of these facets, and of the usual index.
+    pub fn dielectric(self) -> RoughDielectric {
+        RoughDielectric {
+            roughness: Texture::grey(self.roughness),
+            distribution: self.distribution,
+            anisotropy: self.anisotropy,
+            anisotropy_rotation: self.rotation,
+            ..RoughDielectric::default()
         }
     }
 }

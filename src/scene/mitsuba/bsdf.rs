@@ -97,10 +97,8 @@ fn mix<'a>(own: &Properties<'a>, two_sided: bool, reader: &mut Reader<'a, '_>) -
     let [a, b] = inner(own, reader)?;
     let mut name_of = |part: &'a Node| {
         let found = material(part, two_sided, reader)?;
-        let found = found.ok_or_else(|| part.error("null cannot be mixed here: write a mask"))?;
-        if let Some(what) = found.not_mixed() {
-            return Err(part.error(format!("it cannot be mixed here, because it {what}")));
-        }
+        let found =
+            surface::mixed(found, "null cannot be mixed here: write a mask").map_err(|message| part.error(message))?;
         if found.model().widths.contains(&LobeWidth::Specular) {
             reader.lose(
                 part,
@@ -165,50 +163,33 @@ fn conductor<'a>(
     let node = own.node;
     let facets = if is_rough { facets(own, reader)? } else { smooth() };
     let tint = texture_or(own, "specular_reflectance", 1.0, reader)?;
-    let name = own.word("material")?;
-    let (eta, k) = (own.colour_or("eta", 0.0)?, own.colour_or("k", 1.0)?);
+    let name = own.word("material")?.filter(|name| *name != "none");
     let outside = own.number_or("ext_eta", 1.0)?;
-    let factor = tint.plain().map_or(1.0, |tint| tint.x);
-    let (albedo, eta, k) = match (name, own.has("eta") || own.has("k")) {
-        (None | Some("none"), false) if !is_rough => {
-            own.number("ext_eta")?;
-            return Ok(Material::Metal(Metal { albedo: tint, fuzz: 0.0, one_sided }));
-        }
-        (None | Some("none"), false) => {
-            if tint != Texture::grey(1.0) {
-                reader.lose(node, "its reflectance rises to 1 at grazing angles here");
-            }
-            (Some(tint), None, None)
-        }
-        (Some(name), true) if name != "none" => return Err(node.error("expected a material, or eta and k")),
-        _ if tint.plain().is_none_or(|tint| tint != Colour::splat(tint.x)) => {
-            let message = "expected one number for the specular_reflectance beside eta and k";
-            return Err(own.find("specular_reflectance").unwrap_or(node).error(message));
-        }
-        (None | Some("none"), _) => (None, Some(eta / outside), Some(k / outside)),
-        (Some(name), _) => {
+    let index = match (name, own.has("eta") || own.has("k")) {
+        (Some(_), true) => return Err(node.error("expected a material, or eta and k")),
+        (Some(name), false) => {
             let unknown = || {
                 let message = format!("the metal {} is not known here: give its eta and k as <rgb>", quote(name));
                 own.find("material").unwrap_or(node).error_at("value", message)
             };
-            let measured = tables::row(tables::METALS, name);
-            let [a, b, c, d, e, f] = measured.unwrap_or_default()[..] else { return Err(unknown()) };
-            let (eta, k) = (Colour::new(a, b, c), Colour::new(d, e, f));
-            (None, Some(eta / outside), Some(k / outside))
+            tables::metal(name).ok_or_else(unknown)?
+        }
+        (None, true) => [own.colour_or("eta", 0.0)?, own.colour_or("k", 1.0)?],
+        (None, false) if !is_rough => return Ok(Material::Metal(Metal { albedo: tint, fuzz: 0.0, one_sided })),
+        (None, false) => {
+            if tint != Texture::grey(1.0) {
+                reader.lose(node, "its reflectance rises to 1 at grazing angles here");
+            }
+            return Ok(Material::Conductor(Conductor { albedo: Some(tint), one_sided, ..facets.conductor() }));
         }
     };
-    Ok(Material::Conductor(Conductor {
-        albedo,
-        one_sided,
-        reflectance: if eta.is_some() { factor } else { 1.0 },
-        eta,
-        k,
-        roughness: Texture::grey(facets.roughness),
-        distribution: facets.distribution,
-        anisotropy: facets.anisotropy,
-        anisotropy_rotation: facets.rotation,
-        ..Conductor::default()
-    }))
+    let [eta, k] = index.map(|own| Some(own / outside));
+    let wrong = || {
+        let message = "expected one number for the specular_reflectance beside eta and k";
+        own.find("specular_reflectance").unwrap_or(node).error(message)
+    };
+    let reflectance = tint.plain().filter(|tint| *tint == Colour::splat(tint.x)).ok_or_else(wrong)?.x;
+    Ok(Material::Conductor(Conductor { one_sided, reflectance, eta, k, ..facets.conductor() }))
 }
 
 fn dielectric<'a>(own: &Properties<'a>, kind: &str, reader: &mut Reader<'a, '_>) -> Result<Material> {
@@ -226,15 +207,7 @@ fn dielectric<'a>(own: &Properties<'a>, kind: &str, reader: &mut Reader<'a, '_>)
         }),
         _ => {
             let facets = facets(own, reader)?;
-            Material::RoughDielectric(RoughDielectric {
-                ior,
-                roughness: Texture::grey(facets.roughness),
-                distribution: facets.distribution,
-                transmittance,
-                anisotropy: facets.anisotropy,
-                anisotropy_rotation: facets.rotation,
-                ..RoughDielectric::default()
-            })
+            Material::RoughDielectric(RoughDielectric { ior, transmittance, ..facets.dielectric() })
         }
     })
 }
@@ -263,7 +236,7 @@ fn index(own: &Properties, default: &str) -> Result<f64> {
 }
 
 fn by_name(node: &Node, name: &str) -> Result<f64> {
-    let known = tables::row(include_str!("indices.csv"), &name.to_ascii_lowercase());
+    let known = tables::row(tables::INDICES, &name.to_ascii_lowercase());
     let missing = || node.error_at("value", format!("no index of refraction of {} is known", quote(name)));
     known.and_then(|numbers| numbers.first().copied()).ok_or_else(missing)
 }
@@ -276,11 +249,6 @@ fn smooth() -> Facets {
 fn facets(own: &Properties, reader: &mut Reader) -> Result<Facets> {
     let node = own.node;
     own.ignore(&["sample_visible"]);
-    for name in ["alpha", "alpha_u", "alpha_v"] {
-        if let Some(child) = own.find(name).filter(|child| !["float", "integer"].contains(&child.tag.as_str())) {
-            return Err(child.error("expected one number: a texture of roughness is not read"));
-        }
-    }
     let alpha = own.number_or("alpha", 0.1)?;
     let (u, v) = (own.number_or("alpha_u", alpha)?, own.number_or("alpha_v", alpha)?);
     if u.min(v) < 0.0 {

@@ -82,16 +82,10 @@ pub fn shape<'a>(
             }
         }
         "disk" => {
-            let normal = to_world.matrix3.inverse().transpose().z_axis;
-            let (x, y) = (to_world.matrix3.x_axis, to_world.matrix3.y_axis);
-            let is_round =
-                (x.length() - y.length()).abs() < 1e-6 * x.length() && x.dot(y).abs() < 1e-6 * x.length_squared();
-            match is_round && !surface.is_textured {
-                true => {
-                    let normal = normal.normalize_or(DVec3::Z) * if flips { -1.0 } else { 1.0 };
-                    Object::Disk { center: to_world.translation, normal, radius: x.length(), material }
-                }
-                false => made(node, disk(), &to_world, flips, &surface, reader),
+            let ours = surface::disk(&to_world, DVec3::ZERO, 1.0, flips, &material);
+            match ours.filter(|_| !surface.is_textured) {
+                Some(object) => object,
+                None => made(node, disk(), &to_world, flips, &surface, reader),
             }
         }
         "cylinder" => {

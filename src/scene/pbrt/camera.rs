@@ -1,6 +1,6 @@
 //! The camera with its film, and the integrator.
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 use super::params::Params;
 use super::reader::{Film, Reader};
@@ -53,8 +53,7 @@ pub fn film(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
 }
 
 /// The camera, once the film is known.
-pub fn camera(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
-    let to_world = reader.state.ctm.inverse();
+pub fn camera(kind: &str, params: &Params, to_world: &DAffine3, reader: &mut Reader) -> Result<()> {
     let [x, y, z] = to_world.matrix3.to_cols_array_2d().map(DVec3::from_array);
     let lengths = [x.length(), y.length(), z.length()];
     let longest = lengths.into_iter().fold(0.0, f64::max);

@@ -7,7 +7,7 @@ use super::reader::{AS_THEY_ARE, Reader};
 use super::texture::{baked, number_or, texture_or};
 use crate::error::Result;
 use crate::printable::quote;
-use crate::scene::imported::surface::{Facets, lambertian};
+use crate::scene::imported::surface::{self, Facets, lambertian};
 use crate::scene::imported::tables;
 use crate::scene::types::*;
 
@@ -16,17 +16,6 @@ const KNOWN: &str =
 
 /// The thickness of a layer up to which its absorption is off by a percent at most where light grazes it.
 const THICKEST: f64 = 0.03;
-
-/// The indices of the glasses that have names, at 587.6 nm.
-const GLASSES: [(&str, f64); 7] = [
-    ("glass-BK7", 1.5168),
-    ("glass-BAF10", 1.6700),
-    ("glass-FK51A", 1.4866),
-    ("glass-LASF9", 1.8503),
-    ("glass-SF5", 1.6727),
-    ("glass-SF10", 1.7283),
-    ("glass-SF11", 1.7847),
-];
 
 /// The material of a directive; nothing for an interface.
 pub fn material(kind: &str, params: &Params, reader: &mut Reader) -> Result<Option<Material>> {
@@ -47,13 +36,7 @@ pub fn material(kind: &str, params: &Params, reader: &mut Reader) -> Result<Opti
             let (ior, facets) = (index(params, reader)?, facets(params, reader)?);
             Some(match facets.roughness == 0.0 && facets.anisotropy == 0.0 {
                 true => Material::Dielectric(Dielectric { ior, ..Dielectric::default() }),
-                false => Material::RoughDielectric(RoughDielectric {
-                    ior,
-                    roughness: Texture::grey(facets.roughness),
-                    anisotropy: facets.anisotropy,
-                    anisotropy_rotation: facets.rotation,
-                    ..RoughDielectric::default()
-                }),
+                false => Material::RoughDielectric(RoughDielectric { ior, ..facets.dielectric() }),
             })
         }
         "thindielectric" => Some(Material::ThinDielectric(ThinDielectric {
@@ -178,25 +161,17 @@ fn conductor(params: &Params, reader: &mut Reader) -> Result<Material> {
             let reflectance = own.clamp(Colour::ZERO, Colour::splat(0.9999));
             (Colour::ONE, reflectance.map(|r| 2.0 * r.sqrt() / (1.0 - r).sqrt()))
         }
-        false => (of_metal(params, "eta", 0)?, of_metal(params, "k", 3)?),
+        false => (of_metal(params, "eta", 0)?, of_metal(params, "k", 1)?),
     };
-    Ok(Material::Conductor(Conductor {
-        eta: Some(eta),
-        k: Some(k),
-        roughness: Texture::grey(facets.roughness),
-        anisotropy: facets.anisotropy,
-        anisotropy_rotation: facets.rotation,
-        ..Conductor::default()
-    }))
+    Ok(Material::Conductor(Conductor { eta: Some(eta), k: Some(k), ..facets.conductor() }))
 }
 
-/// The eta or the k of a metal, whose numbers stand from `first` on in its row.
-fn of_metal(params: &Params, name: &str, first: usize) -> Result<Colour> {
+/// The eta or the k of a metal: 0 or 1 says which.
+fn of_metal(params: &Params, name: &str, number: usize) -> Result<Colour> {
     let of_name = |text: &str| {
         let metal = text.strip_prefix("metal-").and_then(|rest| rest.strip_suffix(&format!("-{name}")));
-        let row = metal.and_then(|metal| tables::row(tables::METALS, metal)).unwrap_or_default();
         let missing = || params.error_at(name, format!("the metal {} is not known here: give its rgb", quote(text)));
-        row.get(first..first + 3).map(|own| Colour::new(own[0], own[1], own[2])).ok_or_else(missing)
+        Ok(metal.and_then(tables::metal).ok_or_else(missing)?[number])
     };
     match params.spectrum(name)? {
         None => of_name(&format!("metal-Cu-{name}")),
@@ -221,11 +196,8 @@ fn mix(params: &Params, reader: &mut Reader) -> Result<Material> {
         if mapping.is_some_and(|mapping| !reader.has_mapping(mapping)) {
             return Err(wrong("expected one mapping of all textures of a surface, found another"));
         }
-        let found = found.ok_or_else(|| wrong("an interface cannot be mixed"))?;
-        match found.not_mixed() {
-            Some(what) => Err(wrong(&format!("it cannot be mixed here, because it {what}"))),
-            None => Ok(reader.add_material(found, name, &at)),
-        }
+        let found = surface::mixed(found, "an interface cannot be mixed").map_err(|message| wrong(&message))?;
+        Ok(reader.add_material(found, name, &at))
     };
     let (a, b) = (name_of(a)?, name_of(b)?);
     Ok(Material::Mix(Mix { a, b, share: number_or(params, "amount", 0.5, reader)?, alpha: Texture::grey(1.0) }))
@@ -237,10 +209,11 @@ fn index(params: &Params, reader: &mut Reader) -> Result<f64> {
         None => 1.5,
         Some(Spectrum::Rgb(eta)) if eta == Colour::splat(eta.x) => eta.x,
         Some(Spectrum::Named(name)) => {
-            let known = GLASSES.into_iter().find(|(known, _)| *known == name);
+            let glass = Some(&name).filter(|name| name.starts_with("glass-"));
+            let known = glass.and_then(|name| tables::row(tables::INDICES, name)?.first().copied());
             let unknown =
                 || params.error_at("eta", format!("the glass {} is not known here: give a float", quote(&name)));
-            let (_, ior) = known.ok_or_else(unknown)?;
+            let ior = known.ok_or_else(unknown)?;
             reader.lose(params, "eta", &format!("its index is {ior} for all colours here"));
             ior
         }

@@ -292,16 +292,10 @@ fn disk(params: &Params, by: &DAffine3, flips: bool, look: On, reader: &mut Read
     let (radius, turn) = radius_and_turn(params)?;
     let hole = params.number_or("innerradius", 0.0)? / radius;
     let height = DVec3::new(0.0, 0.0, params.number_or("height", 0.0)?);
-    let (x, y) = (by.matrix3.x_axis, by.matrix3.y_axis);
-    let is_even = (x.length() - y.length()).abs() <= 1e-6 * x.length() && x.dot(y).abs() <= 1e-6 * x.length_squared();
-    if look.1.is_some() || hole != 0.0 || turn < 1.0 || !is_even {
-        let placed = *by * DAffine3::from_translation(height) * DAffine3::from_scale(DVec3::splat(radius));
-        return Ok(made(params, mesh::disk(hole.clamp(0.0, 1.0), turn), &placed, flips, look, reader));
-    }
-    let normal = by.matrix3.inverse().transpose().z_axis.normalize_or(DVec3::Z);
-    let normal = if flips { -normal } else { normal };
-    let center = by.transform_point3(height);
-    Ok(Object::Disk { center, normal, radius: radius * x.length(), material: look.0 })
+    let is_ours = look.1.is_none() && hole == 0.0 && turn == 1.0;
+    let ours = surfaces::disk(by, height, radius, flips, &look.0).filter(|_| is_ours);
+    let placed = *by * DAffine3::from_translation(height) * DAffine3::from_scale(DVec3::splat(radius));
+    Ok(ours.unwrap_or_else(|| made(params, mesh::disk(hole.clamp(0.0, 1.0), turn), &placed, flips, look, reader)))
 }
 
 /// A mesh that no file has, with its transform in its vertices.
