@@ -23,7 +23,7 @@ use super::gltf_options::GltfOptions;
 use super::gltf_path::has_ending;
 use super::imported::transform::look_at;
 use super::imported::{Imported, Place, bodies, files};
-use crate::error::Result;
+use crate::error::{Result, require};
 use crate::printable::quote;
 use params::Params;
 use reader::{Definition, Look, Reader};
@@ -150,14 +150,12 @@ impl Reader<'_, '_> {
 
     fn begin_state(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>) -> Result<()> {
         let name = if word == "ObjectBegin" { Some(tokens.text(word, "its name")?) } else { None };
-        if self.states.len() >= MOST_STATES {
-            return Err(at.error(word, format!("expected at most {MOST_STATES} of them at a time")));
-        }
+        require(self.states.len() < MOST_STATES, || {
+            at.error(word, format!("expected at most {MOST_STATES} of them at a time"))
+        })?;
         self.states.push((self.state.clone(), at.clone()));
         if let Some(name) = name {
-            if self.definition.is_some() {
-                return Err(at.error(word, "expected no object inside another"));
-            }
+            require(self.definition.is_none(), || at.error(word, "expected no object inside another"))?;
             self.definition = Some(Definition { name: name.to_owned(), ..Definition::default() });
         }
         Ok(())
@@ -302,9 +300,7 @@ impl Reader<'_, '_> {
             }
             "ColorSpace" => {
                 let name = tokens.text(word, "its name")?;
-                if name != "srgb" {
-                    return Err(at.error(word, format!("expected srgb, found {}", quote(name))));
-                }
+                require(name == "srgb", || at.error(word, format!("expected srgb, found {}", quote(name))))?;
             }
             "Option" => _ = Params::read(word.to_owned(), at.clone(), tokens)?,
             "WorldEnd" => {}

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use flate2::read::GzDecoder;
 
 use super::Place;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use crate::scene::assets::Assets;
 use crate::scene::file::{self, LONGEST_SCENE};
 
@@ -28,9 +28,9 @@ impl Includes {
 
     /// Opens a file that the last one includes.
     pub fn open(&mut self, path: &Path) -> std::result::Result<(), String> {
-        if self.open.contains(&real(path)) {
-            return Err(format!("{} includes itself: expected no circle", path.display()));
-        }
+        require(!self.open.contains(&real(path)), || {
+            format!("{} includes itself: expected no circle", path.display())
+        })?;
         if self.open.len() > DEEPEST || self.count >= MOST_FILES {
             return Err(format!("expected at most {MOST_FILES} included files, {DEEPEST} in each other"));
         }

@@ -9,7 +9,7 @@ use super::properties::{Properties, unknown};
 use super::reader::Reader;
 use super::values::colour;
 use crate::bitmap::Channel;
-use crate::error::Result;
+use crate::error::{Result, require};
 use crate::material::LobeWidth;
 use crate::printable::{counted, quote};
 use crate::scene::gltf_path::has_ending;
@@ -22,9 +22,7 @@ const KNOWN: &str = "diffuse, dielectric, roughdielectric, thindielectric, condu
 
 /// A BSDF: nothing if it is `null`.
 pub fn material<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a, '_>) -> Result<Option<Material>> {
-    if reader.depth > DEEPEST {
-        return Err(node.error("expected a bsdf that is not inside itself"));
-    }
+    require(reader.depth <= DEEPEST, || node.error("expected a bsdf that is not inside itself"))?;
     reader.depth += 1;
     let found = of_kind(node, two_sided, reader);
     reader.depth -= 1;
@@ -251,9 +249,7 @@ fn facets(own: &Properties, reader: &mut Reader) -> Result<Facets> {
     own.ignore(&["sample_visible"]);
     let alpha = own.number_or("alpha", 0.1)?;
     let (u, v) = (own.number_or("alpha_u", alpha)?, own.number_or("alpha_v", alpha)?);
-    if u.min(v) < 0.0 {
-        return Err(node.error(format!("expected an alpha of 0 or more, found {}", u.min(v))));
-    }
+    require(u.min(v) >= 0.0, || node.error(format!("expected an alpha of 0 or more, found {}", u.min(v))))?;
     if u.max(v) > 1.0 {
         reader.lose(node, &format!("its alpha {} counts as 1", u.max(v)));
     }
@@ -310,19 +306,15 @@ fn texture<'a>(node: &'a Node, is_number: bool, reader: &mut Reader<'a, '_>) -> 
     let scale = DVec3::new(own.number_or("uscale", 1.0)?, own.number_or("vscale", 1.0)?, 1.0);
     let offset = DVec3::new(own.number_or("uoffset", 0.0)?, own.number_or("voffset", 0.0)?, 0.0);
     let to_uv = own.transform("to_uv")? * DAffine3::from_scale(scale) * DAffine3::from_translation(offset);
-    if reader.to_uv.replace(to_uv).is_some_and(|other| !other.abs_diff_eq(to_uv, 1e-9)) {
-        return Err(node.error("expected one to_uv in all textures of a surface, found another"));
-    }
-    if own.kind()? == "checkerboard" {
+    let is_same = reader.to_uv.replace(to_uv).is_none_or(|other| other.abs_diff_eq(to_uv, 1e-9));
+    require(is_same, || node.error("expected one to_uv in all textures of a surface, found another"))?;
+    if own.kind_among(&["bitmap", "checkerboard"])? == "checkerboard" {
         // Theirs has v downwards, ours upwards, so that squares which were equal are not. Mitsuba 3.9.1 gives numbers the other way round.
         let [odd, even] =
             if is_number { [("color1", 0.2), ("color0", 0.4)] } else { [("color0", 0.4), ("color1", 0.2)] };
         let [odd, even] = [own.colour_or(odd.0, odd.1)?, own.colour_or(even.0, even.1)?];
         own.end(reader);
         return Ok(Texture::Checker { scale: 0.5, even, odd, uv: true });
-    }
-    if own.kind()? != "bitmap" {
-        return Err(unknown(node, "bitmap, checkerboard"));
     }
     let path = own.word("filename")?.ok_or_else(|| node.error("expected its filename"))?;
     own.ignore(&["accel", "format"]);

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use roxmltree::{Document, ParsingOptions};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use crate::printable::quote;
 use crate::scene::imported::files::{self, Includes};
 use crate::scene::imported::{Imported, Place, spectrum};
@@ -99,9 +99,9 @@ impl<'l, 'm> Loader<'l, 'm> {
         let text = Text { path: path.into(), text: &text, last: Cell::new((0, 1, 1)) };
         let root = document.root_element();
         let at = text.place(root.range().start);
-        if depth == 0 && root.tag_name().name() != "scene" {
-            return Err(at.error("scene", "expected the element scene at the top of the file"));
-        }
+        require(depth > 0 || root.tag_name().name() == "scene", || {
+            at.error("scene", "expected the element scene at the top of the file")
+        })?;
         let old = match root.attribute("version").map(|version| (version, version.split('.').next())) {
             None if depth == 0 => return Err(at.error("scene", "expected the attribute version")),
             None => old,
@@ -129,9 +129,7 @@ impl<'l, 'm> Loader<'l, 'm> {
             let pairs = self.spectrum(&node)?;
             node.attributes.push(Attribute { name: "value".to_owned(), value: pairs, at: node.at.clone() });
         }
-        if depth > DEEPEST {
-            return Err(node.error(format!("expected at most {DEEPEST} elements within each other")));
-        }
+        require(depth <= DEEPEST, || node.error(format!("expected at most {DEEPEST} elements within each other")))?;
         node.tag = match node.tag.as_str() {
             "lookAt" => "lookat".to_owned(),
             "color" => "rgb".to_owned(),
@@ -151,9 +149,9 @@ impl<'l, 'm> Loader<'l, 'm> {
                     let name = child.required("value")?;
                     let folder = child.at.folder().join(name);
                     self.made.notes.extend(outside(name, &child));
-                    if !folder.is_dir() {
-                        return Err(child.error_at("value", format!("there is no folder {}", folder.display())));
-                    }
+                    require(folder.is_dir(), || {
+                        child.error_at("value", format!("there is no folder {}", folder.display()))
+                    })?;
                     self.folders.insert(0, folder);
                 }
                 "include" => self.include(&child, &mut node, depth, old)?,
@@ -197,9 +195,9 @@ impl<'l, 'm> Loader<'l, 'm> {
         let mut rest = value;
         while let Some((before, after)) = rest.split_once('$') {
             out.push_str(before);
-            if out.len() > LONGEST_VALUE {
-                return Err(format!("expected values of names of at most {LONGEST_VALUE} bytes"));
-            }
+            require(out.len() <= LONGEST_VALUE, || {
+                format!("expected values of names of at most {LONGEST_VALUE} bytes")
+            })?;
             let known = self.names.keys().filter(|name| after.starts_with(name.as_str())).max_by_key(|name| name.len());
             let Some(name) = known.cloned() else {
                 let end = after.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(after.len());

@@ -5,7 +5,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::document::Node;
 use super::properties::{Properties, unknown};
 use super::reader::Reader;
-use crate::error::Result;
+use crate::error::{Result, require};
 use crate::printable::quote;
 use crate::scene::imported::surface::Medium;
 use crate::scene::imported::transform::turns;
@@ -68,15 +68,11 @@ fn light(kind: &str, own: &Properties) -> Result<Object> {
             Object::DirectionalLight { direction, irradiance: own.colour_or("irradiance", 1.0)?, light_group: None }
         }
         "spot" => {
-            if own.find("texture").is_some() {
-                return Err(node.error("a texture of a spot is not read"));
-            }
+            require(own.find("texture").is_none(), || node.error("a texture of a spot is not read"))?;
             let outer = own.number_or("cutoff_angle", 20.0)?;
             let inner = own.number_or("beam_width", 0.75 * outer)?;
             let (at, forward) = (to_world.translation, to_world.matrix3.z_axis.normalize_or_zero());
-            if forward == DVec3::ZERO {
-                return Err(node.error("expected a to_world with a direction"));
-            }
+            require(forward != DVec3::ZERO, || node.error("expected a to_world with a direction"))?;
             let (towards, intensity) = (at + forward, own.colour_or("intensity", 1.0)?);
             let falloff = Falloff::Linear;
             Object::SpotLight { at, towards, intensity, inner, outer, falloff, light_group: None }
@@ -87,9 +83,7 @@ fn light(kind: &str, own: &Properties) -> Result<Object> {
 
 pub fn medium(node: &Node, reader: &mut Reader) -> Result<Medium> {
     let own = Properties::of(node);
-    if own.kind()? != "homogeneous" {
-        return Err(unknown(node, "homogeneous"));
-    }
+    own.kind_among(&["homogeneous"])?;
     own.ignore(&["has_spectral_extinction", "sample_emitters"]);
     // Scenes before 2 may have absorption and scattering in place of their sum.
     let (absorption, scattering) = (own.colour_or("sigma_a", 0.0)?, own.colour_or("sigma_s", 0.0)?);

@@ -9,7 +9,7 @@ use super::document::Node;
 use super::reader::Reader;
 use super::transform;
 use super::values::{colour, number, vector};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use crate::printable::quote;
 use crate::scene::types::Colour;
 
@@ -27,6 +27,13 @@ impl<'a> Properties<'a> {
     /// The type of the plugin.
     pub fn kind(&self) -> Result<&'a str> {
         self.node.required("type")
+    }
+
+    /// The type of the plugin, which is one of these.
+    pub fn kind_among(&self, known: &[&str]) -> Result<&'a str> {
+        let kind = self.kind()?;
+        require(known.contains(&kind), || unknown(self.node, &known.join(", ")))?;
+        Ok(kind)
     }
 
     /// The children that fit, which now count as used.

@@ -5,6 +5,7 @@ use std::io::Read;
 use flate2::read::ZlibDecoder;
 use glam::{DVec3, Vec2};
 
+use crate::error::require;
 use crate::scene::draft::{Draft, MOST_BYTES};
 use crate::shape::mesh::Mesh;
 
@@ -23,9 +24,7 @@ pub fn read(bytes: &[u8], number: usize) -> Result<Mesh, String> {
     let size = if version == 4 { 8 } else { 4 };
     let end = bytes.len().checked_sub(4).ok_or_else(broken)?;
     let count = bytes.get(end..).and_then(|last| last.try_into().ok()).map_or(0, u32::from_le_bytes) as usize;
-    if number >= count {
-        return Err(format!("there is no mesh {number}: the file has {count}"));
-    }
+    require(number < count, || format!("there is no mesh {number}: the file has {count}"))?;
     let table = count.checked_mul(size).and_then(|length| end.checked_sub(length)).ok_or_else(broken)?;
     let offset = bytes.get(table + number * size..table + (number + 1) * size).ok_or_else(broken)?;
     let offset = offset.iter().rev().fold(0u64, |all, byte| all << 8 | u64::from(*byte));

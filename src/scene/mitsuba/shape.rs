@@ -9,7 +9,7 @@ use super::emitter::medium;
 use super::properties::{Properties, unknown};
 use super::reader::Reader;
 use super::{bsdf, serialized};
-use crate::error::Result;
+use crate::error::{Result, require};
 use crate::lobe::anisotropy::ANISOTROPY;
 use crate::scene::file::{self, OnProgress};
 use crate::scene::imported::surface::Medium;
@@ -51,9 +51,8 @@ pub fn shape<'a>(
         return Ok(Vec::new());
     }
     let to_world = *world * own.transform("to_world")?;
-    if to_world.matrix3.determinant() == 0.0 || !to_world.is_finite() {
-        return Err(node.error("expected a to_world that leaves the shape a size"));
-    }
+    let has_size = to_world.matrix3.determinant() != 0.0 && to_world.is_finite();
+    require(has_size, || node.error("expected a to_world that leaves the shape a size"))?;
     if kind == "instance" {
         return Ok(vec![named(instance(&own, &to_world, progress, reader)?)]);
     }
@@ -135,9 +134,7 @@ fn placed(own: &Properties, kind: &str) -> Result<DAffine3> {
         return Ok(DAffine3::IDENTITY);
     }
     let radius = own.number_or("radius", 1.0)?;
-    if radius <= 0.0 {
-        return Err(own.node.error(format!("expected a radius above 0, found {radius}")));
-    }
+    require(radius > 0.0, || own.node.error(format!("expected a radius above 0, found {radius}")))?;
     if kind == "sphere" {
         let center = own.vector("center")?.unwrap_or(DVec3::ZERO);
         return Ok(DAffine3::from_translation(center) * DAffine3::from_scale(DVec3::splat(radius)));
@@ -159,20 +156,16 @@ fn instance<'a>(
     let group = own.take(|child| child.tag == "ref" || child.tag == "shape");
     let [group] = group[..] else { return Err(own.node.error("expected one shapegroup in it")) };
     let group = reader.follow(group, "shape")?;
-    if group.attribute("type") != Some("shapegroup") {
-        return Err(own.node.error(format!("expected a shapegroup, found {}", group.title())));
-    }
+    let is_group = group.attribute("type") == Some("shapegroup");
+    require(is_group, || own.node.error(format!("expected a shapegroup, found {}", group.title())))?;
     own.end(reader);
     let is_even = moved(to_world, Object::Group(Vec::new())).is_some();
     let inner = if is_even { DAffine3::IDENTITY } else { *to_world };
     let (mut objects, bodies) = (Vec::new(), reader.made.bodies.len());
     for child in &group.children {
-        if child.tag != "shape" {
-            return Err(child.error("expected shapes in a shapegroup, and nothing else"));
-        }
-        if ["instance", "shapegroup"].contains(&child.required("type")?) {
-            return Err(child.error("expected no instance inside a shapegroup"));
-        }
+        require(child.tag == "shape", || child.error("expected shapes in a shapegroup, and nothing else"))?;
+        let is_nested = ["instance", "shapegroup"].contains(&child.required("type")?);
+        require(!is_nested, || child.error("expected no instance inside a shapegroup"))?;
         let key = (std::ptr::from_ref(child), inner.to_cols_array().map(f64::to_bits));
         let known = match reader.grouped.get(&key) {
             Some(known) => known.clone(),
@@ -237,9 +230,7 @@ fn file_mesh(
         own.find("filename").unwrap_or(node).error_at("value", format!("{}: {reason}", path.display()))
     };
     reader.made.assets.stamp_files(&path);
-    if !path.exists() {
-        return Err(broken("there is no such file".to_owned()));
-    }
+    require(path.exists(), || broken("there is no such file".to_owned()))?;
     let faceted = own.flag_or("face_normals", false)?;
     let flipped_uvs = own.flag_or("flip_tex_coords", kind == "obj")?;
     let number = own.integer_or("shape_index", 0)?;
@@ -289,9 +280,9 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a, '_>) -> Result<Surf
     let emitters = own.elements("emitter", reader);
     let mut inside = None;
     for child in own.take(|child| reader.follow(child, "medium").is_ok()) {
-        if child.attribute("name") != Some("interior") {
-            return Err(child.error("expected the name interior: other media are not read"));
-        }
+        require(child.attribute("name") == Some("interior"), || {
+            child.error("expected the name interior: other media are not read")
+        })?;
         if !reader.has_media {
             reader.lose(child, "Mitsuba leaves media out unless the integrator is volpath or volpathmis");
         }
@@ -304,9 +295,7 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a, '_>) -> Result<Surf
         [] => None,
         [emitter] => {
             let of_emitter = Properties::of(emitter);
-            if of_emitter.kind()? != "area" {
-                return Err(unknown(emitter, "area"));
-            }
+            of_emitter.kind_among(&["area"])?;
             of_emitter.ignore(&["sampling_weight"]);
             let found = bsdf::texture_or(&of_emitter, "radiance", 1.0, reader)?;
             of_emitter.end(reader);

@@ -4,14 +4,12 @@ use glam::{DAffine3, DVec3};
 
 use super::params::Params;
 use super::reader::{Film, Reader};
-use crate::error::Result;
+use crate::error::{Result, require};
 use crate::printable::quote;
 use crate::scene::types::{Camera, ImageSize, Projection};
 
 pub fn film(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
-    if !["rgb", "gbuffer"].contains(&kind) {
-        return Err(params.error("this film is not read: expected rgb"));
-    }
+    require(["rgb", "gbuffer"].contains(&kind), || params.error("this film is not read: expected rgb"))?;
     params.ignore(&["filename", "savefp16", "diagonal", "maxcomponentvalue", "coordinatesystem"]);
     let length = |name: &str, default: i64| {
         let found = params.integer_or(name, default)?;
@@ -35,9 +33,8 @@ pub fn film(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
     };
     let most = [width, width, height, height];
     let crop = [0, 1, 2, 3].map(|side| crop[side].min(most[side]));
-    if crop[1] <= crop[0] || crop[3] <= crop[2] {
-        return Err(params.error("expected a crop that leaves a pixel"));
-    }
+    let has_pixels = crop[1] > crop[0] && crop[3] > crop[2];
+    require(has_pixels, || params.error("expected a crop that leaves a pixel"))?;
     if let Some(sensor) = params.word("sensor")?.filter(|sensor| *sensor != "cie1931") {
         let message = format!("the sensor {} is not used: colours are those of the observer of 1931", quote(sensor));
         reader.lose(params, "sensor", &message);
@@ -59,9 +56,8 @@ pub fn camera(kind: &str, params: &Params, to_world: &DAffine3, reader: &mut Rea
     let longest = lengths.into_iter().fold(0.0, f64::max);
     let angles = [x.dot(y), y.dot(z), z.dot(x)].map(f64::abs).into_iter().fold(0.0, f64::max);
     let is_even = lengths.iter().all(|length| (longest - length).abs() <= 1e-3 * longest);
-    if !is_even || angles > 1e-4 * longest * longest {
-        return Err(params.error("expected a transform of turns, shifts and one scale before the camera"));
-    }
+    let is_one = is_even && angles <= 1e-4 * longest * longest;
+    require(is_one, || params.error("expected a transform of turns, shifts and one scale before the camera"))?;
     // A negative 0 is written as 0.
     let plain = |v: DVec3| v + DVec3::ZERO;
     let from = plain(to_world.translation);
@@ -88,9 +84,9 @@ pub fn camera(kind: &str, params: &Params, to_world: &DAffine3, reader: &mut Rea
     match kind {
         "perspective" => {
             let fov = params.number_or("fov", 90.0)?;
-            if !(fov > 0.0 && fov < 180.0) {
-                return Err(params.error_at("fov", format!("expected a fov above 0 and below 180, found {fov}")));
-            }
+            require(fov > 0.0 && fov < 180.0, || {
+                params.error_at("fov", format!("expected a fov above 0 and below 180, found {fov}"))
+            })?;
             let half = (0.5 * fov.to_radians()).tan();
             if is_plain {
                 camera.vertical_fov = Some(2.0 * (half * y1).atan().to_degrees());
@@ -125,9 +121,7 @@ pub fn camera(kind: &str, params: &Params, to_world: &DAffine3, reader: &mut Rea
     let radius = params.number_or("lensradius", 0.0)? * longest;
     let focus = params.number_or("focaldistance", 1e6)? * longest;
     if radius > 0.0 {
-        if kind != "perspective" {
-            return Err(params.error_at("lensradius", "only a perspective camera has a lens here"));
-        }
+        require(kind == "perspective", || params.error_at("lensradius", "only a perspective camera has a lens here"))?;
         (camera.aperture, camera.focus_distance) = (2.0 * radius, Some(focus));
     }
     reader.end(params);

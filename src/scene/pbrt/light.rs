@@ -8,7 +8,7 @@ use super::params::{Params, Spectrum};
 use super::reader::{Area, Reader};
 use crate::bitmap::Decoding;
 use crate::data::luminance;
-use crate::error::Result;
+use crate::error::{Result, require};
 use crate::printable::quote;
 use crate::scene::imported::surface::Medium;
 use crate::scene::imported::tables;
@@ -37,15 +37,11 @@ fn emitted(params: &Params, name: &str, total: (&str, f64), reader: &Reader) -> 
 }
 
 pub fn area(kind: &str, params: Params, reader: &mut Reader) -> Result<Area> {
-    if kind != "diffuse" {
-        return Err(params.error("this area light is not read: expected diffuse"));
-    }
+    require(kind == "diffuse", || params.error("this area light is not read: expected diffuse"))?;
     let sides = if params.flag_or("twosided", false)? { 2.0 } else { 1.0 };
     let radiance = emitted(&params, "L", ("power", sides), reader)?;
     let is_power = params.number_or("power", 0.0)? > 0.0;
-    if params.has("filename") {
-        return Err(params.error_at("filename", "an image of an area light is not read"));
-    }
+    require(!params.has("filename"), || params.error_at("filename", "an image of an area light is not read"))?;
     reader.end(&params);
     Ok(Area { radiance, is_two_sided: sides == 2.0, is_power, at: params.at })
 }

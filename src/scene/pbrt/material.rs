@@ -5,7 +5,7 @@ use std::cell::Cell;
 use super::params::{Params, Spectrum};
 use super::reader::{AS_THEY_ARE, Reader};
 use super::texture::{baked, number_or, texture_or};
-use crate::error::Result;
+use crate::error::{Result, require};
 use crate::printable::quote;
 use crate::scene::imported::surface::{self, Facets, lambertian};
 use crate::scene::imported::tables;
@@ -69,9 +69,7 @@ fn coated(params: &Params, reader: &mut Reader) -> Result<Material> {
     }
     params.ignore(&["nsamples"]);
     let facets = facets(params, reader)?;
-    if facets.anisotropy != 0.0 {
-        return Err(params.error("expected one roughness for u and v"));
-    }
+    require(facets.anisotropy == 0.0, || params.error("expected one roughness for u and v"))?;
     let message = match facets.roughness > 0.0 {
         false => "its random walk is a closed form here, which differs by up to 0.5 %",
         true => {

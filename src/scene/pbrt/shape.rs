@@ -11,7 +11,7 @@ use glam::{DAffine3, DVec3, Vec2};
 use super::params::Params;
 use super::reader::{AS_THEY_ARE, Area, Mapping, On, Reader, State};
 use super::texture::number_or;
-use crate::error::Result;
+use crate::error::{Result, require};
 use crate::printable::quote;
 use crate::scene::draft::{Draft, MOST_BYTES};
 use crate::scene::imported::surface::Medium;
@@ -42,9 +42,8 @@ pub fn shape(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
         definition.shapes.push((kind.to_owned(), params.clone(), reader.state.clone()));
     }
     let by = reader.state.ctm;
-    if by.matrix3.determinant() == 0.0 || !by.is_finite() {
-        return Err(params.error("expected a transform that leaves the shape a size"));
-    }
+    let has_size = by.matrix3.determinant() != 0.0 && by.is_finite();
+    require(has_size, || params.error("expected a transform that leaves the shape a size"))?;
     let inside = match reader.state.inside.as_str() {
         "" => None,
         name => {
@@ -120,9 +119,8 @@ fn object(kind: &str, params: &Params, faces: Faces, look: On, reader: &mut Read
 /// The shapes of an object, placed.
 pub fn instance(name: &str, at: &Place, reader: &mut Reader) -> Result<()> {
     let what = "ObjectInstance";
-    if reader.definition.is_some() {
-        return Err(at.error(what, "expected no instance inside of an object, as pbrt has it"));
-    }
+    let is_outside = reader.definition.is_none();
+    require(is_outside, || at.error(what, "expected no instance inside of an object, as pbrt has it"))?;
     let missing = || at.error(what, format!("there is no object {}", quote(name)));
     let definition = Rc::clone(reader.definitions.get(name).ok_or_else(missing)?);
     let by = reader.state.ctm;
@@ -278,9 +276,7 @@ fn sphere(params: &Params, by: &DAffine3, flips: bool, look: On, reader: &mut Re
     let share =
         |name, usual: f64| Ok((params.number_or(name, usual * radius)?.clamp(-radius, radius) / radius).acos() / PI);
     let (bottom, top) = (share("zmin", -1.0)?, share("zmax", 1.0)?);
-    if bottom <= top {
-        return Err(params.error_at("zmin", "expected a zmin below the zmax"));
-    }
+    require(bottom > top, || params.error_at("zmin", "expected a zmin below the zmax"))?;
     let placed = *by * DAffine3::from_scale(DVec3::splat(radius));
     let as_they_are = look.1.map(|mapping| mapping == AS_THEY_ARE);
     let is_whole = (top, bottom, turn) == (0.0, 1.0, 1.0) && !flips;
@@ -326,9 +322,7 @@ fn placed(mesh: &mut Mesh, by: &DAffine3, is_reversed: bool, mapping: Option<Map
 fn faces<const K: usize>(params: &Params, usual: [Vec2; K], split: &[[usize; 3]], is_textured: bool) -> Result<Mesh> {
     params.ignore(&["S"]);
     let mut positions = params.points("P")?;
-    if positions.is_empty() {
-        return Err(params.error("expected the points P of its vertices"));
-    }
+    require(!positions.is_empty(), || params.error("expected the points P of its vertices"))?;
     let mut faces = params.indices::<K>("indices", positions.len())?;
     if faces.is_empty() && positions.len() == K && !params.has("indices") {
         faces = vec![std::array::from_fn(|corner| corner as u32)];
@@ -342,9 +336,7 @@ fn faces<const K: usize>(params: &Params, usual: [Vec2; K], split: &[[usize; 3]]
             return Err(params.error_at(name, message));
         }
     }
-    if faces.is_empty() {
-        return Err(params.error("expected the indices of its faces"));
-    }
+    require(!faces.is_empty(), || params.error("expected the indices of its faces"))?;
     if is_textured && uvs.is_empty() {
         let of_corners = |all: &[DVec3]| {
             faces.iter().flatten().filter_map(|corner| all.get(*corner as usize).copied()).collect::<Vec<_>>()
@@ -369,9 +361,7 @@ fn faces<const K: usize>(params: &Params, usual: [Vec2; K], split: &[[usize; 3]]
 
 fn file_mesh(params: &Params, by: &DAffine3, look: On, reader: &mut Reader) -> Result<Object> {
     let path = ply_path(params, reader)?;
-    if params.has("displacement") {
-        return Err(params.error_at("displacement", "a displacement is not read"));
-    }
+    require(!params.has("displacement"), || params.error_at("displacement", "a displacement is not read"))?;
     let object = Object::Mesh { path: reader.made.named(&path), material: look.0.clone() };
     let is_as_it_is = !reader.state.is_reversed && look.1.is_none_or(|mapping| mapping == AS_THEY_ARE);
     if let Some(object) = moved(by, object).filter(|_| is_as_it_is) {

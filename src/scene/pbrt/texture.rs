@@ -7,7 +7,7 @@ use glam::DVec2;
 use super::params::Params;
 use super::reader::{AS_THEY_ARE, Mapping, Reader};
 use crate::bitmap::{Channel, from_srgb};
-use crate::error::Result;
+use crate::error::{Result, require};
 use crate::printable::quote;
 use crate::scene::gltf_path::has_ending;
 use crate::scene::imported::Part;
@@ -47,9 +47,9 @@ pub fn texture(kind: &str, is_colour: bool, params: &Params, reader: &mut Reader
 
 /// Squares of two textures, each of which may have a mapping of its own.
 fn checkerboard(params: &Params, is_colour: bool, reader: &mut Reader) -> Result<Texture> {
-    if params.integer_or("dimension", 2)? != 2 {
-        return Err(params.error_at("dimension", "expected 2: others are not read"));
-    }
+    require(params.integer_or("dimension", 2)? == 2, || {
+        params.error_at("dimension", "expected 2: others are not read")
+    })?;
     let mut inner = |name: &str, default: f64| {
         reader.mapping = None;
         let own = part(params, name, default, is_colour, reader)?;
@@ -155,9 +155,8 @@ fn made_of<const N: usize>(
         return Ok((if has_squares { squares } else { even.into() }, first));
     }
     let wrap = varying.first().map_or(Wrap::Repeat, |(part, _)| part.wrap());
-    if varying.iter().any(|(part, _)| part.wrap() != wrap) {
-        return Err(params.error("expected one wrap of all its images, which is repeat in a checkerboard"));
-    }
+    let is_one = varying.iter().all(|(part, _)| part.wrap() == wrap);
+    require(is_one, || params.error("expected one wrap of all its images, which is repeat in a checkerboard"))?;
     let wrong = "expected a uscale and a vscale whose ratio to those of its textures is a number such as 8, 1/2 or 3/2, in parts of 1/16 at least";
     let over = common(&mappings).ok_or_else(|| params.error(wrong))?;
     let mut sources = parts.map(|(texture, own)| {
@@ -211,9 +210,8 @@ fn common(all: &[Mapping]) -> Option<Mapping> {
 }
 
 fn mapping(params: &Params) -> Result<Mapping> {
-    if params.word("mapping")?.is_some_and(|mapping| mapping != "uv") {
-        return Err(params.error_at("mapping", "expected uv: other mappings are not read"));
-    }
+    let is_uv = params.word("mapping")?.is_none_or(|mapping| mapping == "uv");
+    require(is_uv, || params.error_at("mapping", "expected uv: other mappings are not read"))?;
     let both = |u: &str, v: &str, usual| Ok(DVec2::new(params.number_or(u, usual)?, params.number_or(v, usual)?));
     Ok([both("uscale", "vscale", 1.0)?, both("udelta", "vdelta", 0.0)?])
 }
