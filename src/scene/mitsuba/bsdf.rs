@@ -211,10 +211,9 @@ fn dielectric<'a>(own: &Properties<'a>, kind: &str, reader: &mut Reader<'a, '_>)
 }
 
 fn no_tint(own: &Properties, name: &str) -> Result<()> {
-    match own.colour_or(name, 1.0)? == Colour::ONE {
-        true => Ok(()),
-        false => Err(own.find(name).unwrap_or(own.node).error(format!("expected {name} of 1: others are not read"))),
-    }
+    let is_white = own.colour_or(name, 1.0)? == Colour::ONE;
+    let at = own.find(name).unwrap_or(own.node);
+    require(is_white, || at.error(format!("expected {name} of 1: others are not read")))
 }
 
 /// The index of the inside over that of the outside.
@@ -227,10 +226,8 @@ fn index(own: &Properties, default: &str) -> Result<f64> {
         }
     };
     let ior = of("int_ior", default)? / of("ext_ior", "air")?;
-    match ior > 0.0 && ior.is_finite() {
-        true => Ok(ior),
-        false => Err(own.node.error("expected positive indices of refraction")),
-    }
+    require(ior > 0.0 && ior.is_finite(), || own.node.error("expected positive indices of refraction"))?;
+    Ok(ior)
 }
 
 fn by_name(node: &Node, name: &str) -> Result<f64> {

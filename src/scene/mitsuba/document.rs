@@ -99,9 +99,8 @@ impl<'l, 'm> Loader<'l, 'm> {
         let text = Text { path: path.into(), text: &text, last: Cell::new((0, 1, 1)) };
         let root = document.root_element();
         let at = text.place(root.range().start);
-        require(depth > 0 || root.tag_name().name() == "scene", || {
-            at.error("scene", "expected the element scene at the top of the file")
-        })?;
+        let is_scene = depth > 0 || root.tag_name().name() == "scene";
+        require(is_scene, || at.error("scene", "expected the element scene at the top of the file"))?;
         let old = match root.attribute("version").map(|version| (version, version.split('.').next())) {
             None if depth == 0 => return Err(at.error("scene", "expected the attribute version")),
             None => old,
@@ -198,17 +197,17 @@ impl<'l, 'm> Loader<'l, 'm> {
             require(out.len() <= LONGEST_VALUE, || {
                 format!("expected values of names of at most {LONGEST_VALUE} bytes")
             })?;
-            let known = self.names.keys().filter(|name| after.starts_with(name.as_str())).max_by_key(|name| name.len());
-            let Some(name) = known.cloned() else {
+            let known = self.names.iter().filter(|(name, _)| after.starts_with(name.as_str()));
+            let Some((name, value)) = known.max_by_key(|(name, _)| name.len()) else {
                 let end = after.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(after.len());
                 let name = after.get(..end).unwrap_or(after);
                 return Err(format!(
                     "${name} has no value: give one by -D {name}=VALUE or <default name=\"{name}\" ..>"
                 ));
             };
-            out.push_str(self.names.get(&name).map_or("", String::as_str));
+            out.push_str(value);
             rest = after.get(name.len()..).unwrap_or("");
-            self.used.insert(name);
+            self.used.insert(name.clone());
         }
         out.push_str(rest);
         Ok(out)

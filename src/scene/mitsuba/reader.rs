@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use glam::DAffine3;
 
 use super::document::{Node, resolve};
-use crate::error::Result;
+use crate::error::{Result, require};
 use crate::scene::imported::Imported;
 use crate::scene::types::{Material, Object};
 
@@ -54,10 +54,8 @@ impl<'a> Reader<'a, '_> {
     /// The same, which must be of this tag.
     pub fn follow(&self, node: &'a Node, tag: &str) -> Result<&'a Node> {
         let found = self.target(node)?;
-        match found.tag == tag {
-            true => Ok(found),
-            false => Err(node.error(format!("expected a {tag}, found {}", found.title()))),
-        }
+        require(found.tag == tag, || node.error(format!("expected a {tag}, found {}", found.title())))?;
+        Ok(found)
     }
 
     /// The path of a file as the scene names it.

@@ -139,10 +139,8 @@ fn film(node: &Node, reader: &mut Reader) -> Result<Film> {
     own.ignore(&["high_quality_edges", "fog"]);
     let length = |name: &str, default: f64, most: f64| {
         let found = own.integer_or(name, default as i64)? as f64;
-        match found >= 0.0 && found <= most {
-            true => Ok(found),
-            false => Err(node.error(format!("expected {name} from 0 to {most}, found {found}"))),
-        }
+        let fits = found >= 0.0 && found <= most;
+        require(fits, || node.error(format!("expected {name} from 0 to {most}, found {found}"))).map(|()| found)
     };
     let (width, height) = (length("width", 768.0, 65536.0)?, length("height", 576.0, 65536.0)?);
     let (left, top) = (length("crop_offset_x", 0.0, width)?, length("crop_offset_y", 0.0, height)?);

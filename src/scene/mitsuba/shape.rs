@@ -280,9 +280,8 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a, '_>) -> Result<Surf
     let emitters = own.elements("emitter", reader);
     let mut inside = None;
     for child in own.take(|child| reader.follow(child, "medium").is_ok()) {
-        require(child.attribute("name") == Some("interior"), || {
-            child.error("expected the name interior: other media are not read")
-        })?;
+        let is_inside = child.attribute("name") == Some("interior");
+        require(is_inside, || child.error("expected the name interior: other media are not read"))?;
         if !reader.has_media {
             reader.lose(child, "Mitsuba leaves media out unless the integrator is volpath or volpathmis");
         }

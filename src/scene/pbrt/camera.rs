@@ -13,10 +13,8 @@ pub fn film(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
     params.ignore(&["filename", "savefp16", "diagonal", "maxcomponentvalue", "coordinatesystem"]);
     let length = |name: &str, default: i64| {
         let found = params.integer_or(name, default)?;
-        match (1..=65536).contains(&found) {
-            true => Ok(found as f64),
-            false => Err(params.error_at(name, format!("expected {name} from 1 to 65536, found {found}"))),
-        }
+        let wrong = || params.error_at(name, format!("expected {name} from 1 to 65536, found {found}"));
+        require((1..=65536).contains(&found), wrong).map(|()| found as f64)
     };
     let (width, height) = (length("xresolution", 1280)?, length("yresolution", 720)?);
     let of = |all: Option<&[f64]>, name: &str| match all {
@@ -84,9 +82,8 @@ pub fn camera(kind: &str, params: &Params, to_world: &DAffine3, reader: &mut Rea
     match kind {
         "perspective" => {
             let fov = params.number_or("fov", 90.0)?;
-            require(fov > 0.0 && fov < 180.0, || {
-                params.error_at("fov", format!("expected a fov above 0 and below 180, found {fov}"))
-            })?;
+            let wrong = || params.error_at("fov", format!("expected a fov above 0 and below 180, found {fov}"));
+            require(fov > 0.0 && fov < 180.0, wrong)?;
             let half = (0.5 * fov.to_radians()).tan();
             if is_plain {
                 camera.vertical_fov = Some(2.0 * (half * y1).atan().to_degrees());

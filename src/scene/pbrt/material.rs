@@ -217,10 +217,8 @@ fn index(params: &Params, reader: &mut Reader) -> Result<f64> {
         }
         Some(_) => return Err(params.error_at("eta", "expected one number, or the name of a glass")),
     };
-    match ior > 0.0 {
-        true => Ok(ior),
-        false => Err(params.error_at("eta", format!("expected an index above 0, found {ior}"))),
-    }
+    require(ior > 0.0, || params.error_at("eta", format!("expected an index above 0, found {ior}")))?;
+    Ok(ior)
 }
 
 /// The microfacets of a material, from the roughness of u and v, whose root pbrt takes as alpha unless `remaproughness` is false.

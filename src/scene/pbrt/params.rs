@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use glam::{DVec2, DVec3};
 
 use super::tokens::{Token, Tokens, number_of};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use crate::printable::{counted, quote};
 use crate::scene::imported::{Place, spectrum};
 use crate::scene::types::Colour;
@@ -117,12 +117,9 @@ impl Params {
     fn find(&self, name: &str, kinds: &[&str]) -> Result<Option<&Param>> {
         let Some(param) = self.all.iter().find(|param| param.name == name) else { return Ok(None) };
         param.used.set(true);
-        match kinds.contains(&param.kind.as_str()) {
-            true => Ok(Some(param)),
-            false => {
-                Err(self.error_at(name, format!("expected the type {}, found {}", kinds.join(" or "), param.kind)))
-            }
-        }
+        let wrong = || format!("expected the type {}, found {}", kinds.join(" or "), param.kind);
+        require(kinds.contains(&param.kind.as_str()), || self.error_at(name, wrong()))?;
+        Ok(Some(param))
     }
 
     pub fn has(&self, name: &str) -> bool {
@@ -186,12 +183,9 @@ impl Params {
     fn tuples<const N: usize>(&self, name: &str, kinds: &[&str]) -> Result<Vec<[f64; N]>> {
         let all = self.numbers(name, kinds)?.unwrap_or_default();
         let (tuples, rest) = all.as_chunks::<N>();
-        match rest.is_empty() {
-            true => Ok(tuples.to_vec()),
-            false => {
-                Err(self.error_at(name, format!("expected {N} numbers for each element, found {} numbers", all.len())))
-            }
-        }
+        let wrong = || format!("expected {N} numbers for each element, found {} numbers", all.len());
+        require(rest.is_empty(), || self.error_at(name, wrong()))?;
+        Ok(tuples.to_vec())
     }
 
     pub fn points(&self, name: &str) -> Result<Vec<DVec3>> {
@@ -208,12 +202,11 @@ impl Params {
     pub fn indices<const N: usize>(&self, name: &str, vertices: usize) -> Result<Vec<[u32; N]>> {
         let all = self.tuples::<N>(name, &["integer"])?;
         let is_known = |x: &f64| x.fract() == 0.0 && (0.0..vertices as f64).contains(x);
-        match all.iter().flatten().find(|x| !is_known(x)) {
-            None => Ok(all.into_iter().map(|group| group.map(|x| x as u32)).collect()),
-            Some(x) => {
-                Err(self.error_at(name, format!("expected indices of vertices from 0 to below {vertices}, found {x}")))
-            }
+        if let Some(x) = all.iter().flatten().find(|x| !is_known(x)) {
+            let message = format!("expected indices of vertices from 0 to below {vertices}, found {x}");
+            return Err(self.error_at(name, message));
         }
+        Ok(all.into_iter().map(|group| group.map(|x| x as u32)).collect())
     }
 
     pub fn word(&self, name: &str) -> Result<Option<&str>> {
@@ -318,8 +311,6 @@ fn values(what: &str, tokens: &mut Tokens<'_>) -> Result<(Vec<f64>, Vec<String>)
         }
         token = tokens.expect(what, "]")?;
     }
-    match words.is_empty() || numbers.is_empty() {
-        true => Ok((numbers, words)),
-        false => Err(tokens.broken(what, "expected numbers or texts, found both")),
-    }
+    require(words.is_empty() || numbers.is_empty(), || tokens.broken(what, "expected numbers or texts, found both"))?;
+    Ok((numbers, words))
 }

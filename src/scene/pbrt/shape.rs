@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3, Vec2};
+use glam::{DAffine3, DVec2, DVec3, Vec2};
 
 use super::params::Params;
 use super::reader::{AS_THEY_ARE, Area, Mapping, On, Reader, State};
@@ -64,7 +64,11 @@ pub fn shape(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
     let inside = inside.filter(|(medium, _)| !(medium.albedo == Colour::ZERO && is_glass));
     let (emits, has_medium) = (reader.state.area.is_some(), inside.is_some());
     if (is_glass || emits || has_medium) && reader.definition.is_none() {
-        let around = Aabb::around(bounds(kind, params, reader)?.corners().map(|p| by.transform_point3(p)));
+        let around = match mesh_of(kind, params, false, reader)? {
+            Some(mesh) => mesh.bounds(),
+            None => Quadric::read(kind, params)?.bounds(),
+        };
+        let around = Aabb::around(around.corners().map(|p| by.transform_point3(p)));
         let (at, title) = (params.at.clone(), params.title.clone());
         reader.made.bodies.push(Body { at, title, around, is_glass, emits, has_medium });
     }
@@ -98,8 +102,7 @@ fn object(kind: &str, params: &Params, faces: Faces, look: On, reader: &mut Read
         "sphere" => sphere(params, &by, flips, look, reader),
         "disk" => disk(params, &by, flips, look, reader),
         "cylinder" => {
-            let (radius, turn) = radius_and_turn(params)?;
-            let (low, high) = (params.number_or("zmin", -1.0)?, params.number_or("zmax", 1.0)?);
+            let Quadric { radius, turn, low, high, .. } = Quadric::read(kind, params)?;
             let scale = DAffine3::from_scale(DVec3::new(radius, radius, high - low));
             let placed = by * DAffine3::from_translation(DVec3::new(0.0, 0.0, low)) * scale;
             Ok(made(params, mesh::cylinder(turn), &placed, flips, look, reader))
@@ -172,19 +175,42 @@ fn surface(params: &Params, inside: Option<&Medium>, power: f64, reader: &mut Re
     Ok((found.map(|material| reader.add_material(material, &name, &at)), reader.mapping.take()))
 }
 
-/// A box around a shape before its transform.
-fn bounds(kind: &str, params: &Params, reader: &mut Reader) -> Result<Aabb> {
-    if let Some(mesh) = mesh_of(kind, params, false, reader)? {
-        return Ok(mesh.bounds());
+/// A part of a sphere, or of a cylinder or a disk around z.
+struct Quadric {
+    radius: f64,
+    /// Its share of a turn.
+    turn: f64,
+    /// Its ends along z.
+    low: f64,
+    high: f64,
+    /// The radius of the hole in a disk.
+    hole: f64,
+}
+
+impl Quadric {
+    fn read(kind: &str, params: &Params) -> Result<Quadric> {
+        let number = |name: &str, usual: f64| params.number_or(name, usual);
+        let (radius, degrees) = (number("radius", 1.0)?, number("phimax", 360.0)?);
+        let wrong = || params.error(format!("expected a radius and a phimax above 0, found {radius} and {degrees}"));
+        require(radius > 0.0 && degrees > 0.0, wrong)?;
+        let [low, high, hole] = match kind {
+            "sphere" => [number("zmin", -radius)?.max(-radius), number("zmax", radius)?.min(radius), 0.0],
+            "cylinder" => [number("zmin", -1.0)?, number("zmax", 1.0)?, 0.0],
+            _ => [number("height", 0.0)?, number("height", 0.0)?, number("innerradius", 0.0)?],
+        };
+        Ok(Quadric { radius, turn: (degrees / 360.0).min(1.0), low, high, hole })
     }
-    let number = |name, usual| params.number_or(name, usual);
-    let radius = number("radius", 1.0)?;
-    let (low, high) = match kind {
-        "disk" => (number("height", 0.0)?, number("height", 0.0)?),
-        "cylinder" => (number("zmin", -1.0)?, number("zmax", 1.0)?),
-        _ => (-radius, radius),
-    };
-    Ok(Aabb { min: DVec3::new(-radius, -radius, low), max: DVec3::new(radius, radius, high) })
+
+    fn area(&self) -> f64 {
+        // Of a disk, and of the others.
+        let flat = self.radius * self.radius - self.hole * self.hole;
+        PI * self.turn * if self.low == self.high { flat } else { 2.0 * self.radius * (self.high - self.low) }
+    }
+
+    fn bounds(&self) -> Aabb {
+        let side = DVec2::splat(self.radius);
+        Aabb { min: (-side).extend(self.low), max: side.extend(self.high) }
+    }
 }
 
 /// The lights that a shape is by pbrt, with their faces. The power of each with a radiance of 1 is π times its area. That is the area before the transform, or of a mesh that
@@ -194,40 +220,28 @@ fn lamps(kind: &str, params: &Params, reader: &mut Reader) -> Result<Vec<(f64, F
     if !area.is_some_and(|area| area.is_power) {
         return Ok(vec![(1.0, None)]);
     }
-    if let Some(mesh) = mesh_of(kind, params, false, reader)? {
-        let areas = areas_of_faces(&mesh, split(kind), &reader.state.ctm);
-        let mut lamps: Vec<(f64, HashSet<u32>)> = Vec::new();
-        for (area, face) in &areas {
-            match lamps.last_mut() {
-                Some((power, faces)) if PI * area >= (1.0 - 1e-3) * *power => _ = faces.insert(*face),
-                _ => lamps.push((PI * area, HashSet::from([*face]))),
-            }
-        }
-        return match lamps[..] {
-            [] => Err(params.error("expected faces with an area, each of which has the power of its light")),
-            [(power, _)] => Ok(vec![(power, None)]),
-            _ if areas.len() <= MOST_LAMPS => {
-                Ok(lamps.into_iter().map(|(power, faces)| (power, Some(faces))).collect())
-            }
-            _ => {
-                let message = format!(
-                    "expected at most {MOST_LAMPS} faces of different areas, each of which has the power of its light, found {}",
-                    areas.len()
-                );
-                Err(params.error(message + ": give the light its scale"))
-            }
-        };
-    }
-    let ((radius, turn), number) = (radius_and_turn(params)?, |name, usual| params.number_or(name, usual));
-    let area = match kind {
-        "disk" => PI * turn * (radius * radius - number("innerradius", 0.0)?.powi(2)),
-        "sphere" => {
-            2.0 * PI * turn * radius * (number("zmax", radius)?.min(radius) - number("zmin", -radius)?.max(-radius))
-        }
-        "cylinder" => 2.0 * PI * turn * radius * (number("zmax", 1.0)? - number("zmin", -1.0)?),
-        _ => 1.0,
+    let Some(mesh) = mesh_of(kind, params, false, reader)? else {
+        return Ok(vec![(PI * Quadric::read(kind, params)?.area(), None)]);
     };
-    Ok(vec![(PI * area, None)])
+    let areas = areas_of_faces(&mesh, split(kind), &reader.state.ctm);
+    let mut lamps: Vec<(f64, Faces)> = Vec::new();
+    for (area, face) in &areas {
+        match lamps.last_mut() {
+            Some((power, Some(faces))) if PI * area >= (1.0 - 1e-3) * *power => _ = faces.insert(*face),
+            _ => lamps.push((PI * area, Some(HashSet::from([*face])))),
+        }
+    }
+    match &mut lamps[..] {
+        [] => return Err(params.error("expected faces with an area, each of which has the power of its light")),
+        [(_, faces)] => *faces = None,
+        _ => require(areas.len() <= MOST_LAMPS, || {
+            let found = areas.len();
+            params.error(format!(
+                "expected at most {MOST_LAMPS} faces of different areas, each of which has the power of its light, found {found}: give the light its scale"
+            ))
+        })?,
+    }
+    Ok(lamps)
 }
 
 /// The areas of faces with their numbers, the largest first. `split`: how many faces of the mesh are one of pbrt's.
@@ -260,23 +274,10 @@ fn mesh_of(kind: &str, params: &Params, is_textured: bool, reader: &mut Reader) 
     }))
 }
 
-/// The radius of a quadric, and its share of a turn.
-fn radius_and_turn(params: &Params) -> Result<(f64, f64)> {
-    let (radius, turn) = (params.number_or("radius", 1.0)?, params.number_or("phimax", 360.0)? / 360.0);
-    match radius > 0.0 && turn > 0.0 {
-        true => Ok((radius, turn.min(1.0))),
-        false => {
-            Err(params.error(format!("expected a radius and a phimax above 0, found {radius} and {}", 360.0 * turn)))
-        }
-    }
-}
-
 fn sphere(params: &Params, by: &DAffine3, flips: bool, look: On, reader: &mut Reader) -> Result<Object> {
-    let (radius, turn) = radius_and_turn(params)?;
-    let share =
-        |name, usual: f64| Ok((params.number_or(name, usual * radius)?.clamp(-radius, radius) / radius).acos() / PI);
-    let (bottom, top) = (share("zmin", -1.0)?, share("zmax", 1.0)?);
-    require(bottom > top, || params.error_at("zmin", "expected a zmin below the zmax"))?;
+    let Quadric { radius, turn, low, high, .. } = Quadric::read("sphere", params)?;
+    require(low < high, || params.error_at("zmin", "expected a zmin below the zmax"))?;
+    let [bottom, top] = [low, high].map(|z| (z / radius).acos() / PI);
     let placed = *by * DAffine3::from_scale(DVec3::splat(radius));
     let as_they_are = look.1.map(|mapping| mapping == AS_THEY_ARE);
     let is_whole = (top, bottom, turn) == (0.0, 1.0, 1.0) && !flips;
@@ -285,13 +286,13 @@ fn sphere(params: &Params, by: &DAffine3, flips: bool, look: On, reader: &mut Re
 }
 
 fn disk(params: &Params, by: &DAffine3, flips: bool, look: On, reader: &mut Reader) -> Result<Object> {
-    let (radius, turn) = radius_and_turn(params)?;
-    let hole = params.number_or("innerradius", 0.0)? / radius;
-    let height = DVec3::new(0.0, 0.0, params.number_or("height", 0.0)?);
+    let Quadric { radius, turn, low, hole, .. } = Quadric::read("disk", params)?;
     let is_ours = look.1.is_none() && hole == 0.0 && turn == 1.0;
+    let height = DVec3::new(0.0, 0.0, low);
     let ours = surfaces::disk(by, height, radius, flips, &look.0).filter(|_| is_ours);
     let placed = *by * DAffine3::from_translation(height) * DAffine3::from_scale(DVec3::splat(radius));
-    Ok(ours.unwrap_or_else(|| made(params, mesh::disk(hole.clamp(0.0, 1.0), turn), &placed, flips, look, reader)))
+    let ring = || mesh::disk((hole / radius).clamp(0.0, 1.0), turn);
+    Ok(ours.unwrap_or_else(|| made(params, ring(), &placed, flips, look, reader)))
 }
 
 /// A mesh that no file has, with its transform in its vertices.

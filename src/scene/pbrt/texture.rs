@@ -47,9 +47,8 @@ pub fn texture(kind: &str, is_colour: bool, params: &Params, reader: &mut Reader
 
 /// Squares of two textures, each of which may have a mapping of its own.
 fn checkerboard(params: &Params, is_colour: bool, reader: &mut Reader) -> Result<Texture> {
-    require(params.integer_or("dimension", 2)? == 2, || {
-        params.error_at("dimension", "expected 2: others are not read")
-    })?;
+    let is_flat = params.integer_or("dimension", 2)? == 2;
+    require(is_flat, || params.error_at("dimension", "expected 2: others are not read"))?;
     let mut inner = |name: &str, default: f64| {
         reader.mapping = None;
         let own = part(params, name, default, is_colour, reader)?;
