@@ -17,13 +17,8 @@ pub fn film(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
         require((1..=65536).contains(&found), wrong).map(|()| found as f64)
     };
     let (width, height) = (length("xresolution", 1280)?, length("yresolution", 720)?);
-    let of = |all: Option<&[f64]>, name: &str| match all {
-        None => Ok(None),
-        Some(&[a, b, c, d]) if a < b && c < d && a >= 0.0 && c >= 0.0 => Ok(Some([a, b, c, d])),
-        Some(_) => Err(params.error_at(name, "expected four numbers of 0 or more: left and right, top and bottom")),
-    };
-    let share = of(params.numbers("cropwindow", &["float"])?, "cropwindow")?;
-    let pixels = of(params.numbers("pixelbounds", &["integer"])?, "pixelbounds")?;
+    let share = edges(params, "cropwindow", "float", 0.0)?;
+    let pixels = edges(params, "pixelbounds", "integer", 0.0)?;
     let crop = match (pixels, share) {
         (Some(pixels), _) => pixels,
         (None, Some([a, b, c, d])) => [a * width, b * width, c * height, d * height].map(f64::ceil),
@@ -47,6 +42,22 @@ pub fn film(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
     Ok(())
 }
 
+/// The left and the right edge of a window, and two edges along its height; all are numbers from `least` on.
+fn edges(params: &Params, name: &str, kind: &str, least: f64) -> Result<Option<[f64; 4]>> {
+    match params.numbers(name, &[kind])? {
+        None => Ok(None),
+        Some(&[a, b, c, d]) if a < b && c < d && a.min(c) >= least => Ok(Some([a, b, c, d])),
+        Some(_) => {
+            let order = if least == 0.0 {
+                "of 0 or more: left and right, top and bottom"
+            } else {
+                "left and right, bottom and top"
+            };
+            Err(params.error_at(name, format!("expected four numbers {order}")))
+        }
+    }
+}
+
 /// The camera, once the film is known.
 pub fn camera(kind: &str, params: &Params, to_world: &DAffine3, reader: &mut Reader) -> Result<()> {
     let [x, y, z] = to_world.matrix3.to_cols_array_2d().map(DVec3::from_array);
@@ -68,14 +79,7 @@ pub fn camera(kind: &str, params: &Params, to_world: &DAffine3, reader: &mut Rea
     let Film { width, height, crop: [left, right, top, bottom], .. } = reader.film;
     let aspect = params.number_or("frameaspectratio", width / height)?;
     let usual = if aspect > 1.0 { [-aspect, aspect, -1.0, 1.0] } else { [-1.0, 1.0, -1.0 / aspect, 1.0 / aspect] };
-    let window = match params.numbers("screenwindow", &["float"])? {
-        None => usual,
-        Some(&[a, b, c, d]) if a < b && c < d => [a, b, c, d],
-        Some(_) => {
-            return Err(params.error_at("screenwindow", "expected four numbers: left and right, bottom and top"));
-        }
-    };
-    let [x0, x1, y0, y1] = window;
+    let [x0, x1, y0, y1] = edges(params, "screenwindow", "float", f64::MIN)?.unwrap_or(usual);
     let has_even_pixels = ((x1 - x0) / width - (y1 - y0) / height).abs() <= 1e-6 * (x1 - x0) / width;
     let is_whole = [left, right, top, bottom] == [0.0, width, 0.0, height];
     let is_plain = has_even_pixels && is_whole && x0 == -x1 && y0 == -y1;

@@ -54,11 +54,10 @@ pub fn light(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
         reader.lose(params, "", "its image is not used: it becomes a point light");
     }
     let object = match kind {
-        "point" | "goniometric" => Object::PointLight {
-            at: from,
-            intensity: emitted(params, "I", ("power", 4.0 * PI), reader)?,
-            light_group: None,
-        },
+        "point" | "goniometric" => {
+            let intensity = emitted(params, "I", ("power", 4.0 * PI), reader)?;
+            Object::PointLight { at: from, intensity, light_group: None }
+        }
         "spot" => {
             let towards = ctm.transform_point3(params.point_or("to", DVec3::Z)?);
             let outer = params.number_or("coneangle", 30.0)?;
@@ -66,23 +65,13 @@ pub fn light(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
             // The light falls by a half between both cones.
             let [full, none] = [inner, outer].map(|angle| 1.0 - angle.to_radians().cos());
             let intensity = emitted(params, "I", ("power", PI * (full + none)), reader)?;
-            Object::SpotLight {
-                at: from,
-                towards,
-                intensity,
-                inner,
-                outer,
-                falloff: Falloff::Smooth,
-                light_group: None,
-            }
+            let (at, falloff) = (from, Falloff::Smooth);
+            Object::SpotLight { at, towards, intensity, inner, outer, falloff, light_group: None }
         }
         "distant" => {
             let to = ctm.transform_point3(params.point_or("to", DVec3::Z)?);
-            Object::DirectionalLight {
-                direction: to - from,
-                irradiance: emitted(params, "L", ("illuminance", 1.0), reader)?,
-                light_group: None,
-            }
+            let irradiance = emitted(params, "L", ("illuminance", 1.0), reader)?;
+            Object::DirectionalLight { direction: to - from, irradiance, light_group: None }
         }
         "infinite" => {
             if params.has("portal") {

@@ -202,7 +202,7 @@ impl Quadric {
     }
 
     fn area(&self) -> f64 {
-        // Of a disk, and of the others.
+        // A disk has both ends in one place.
         let flat = self.radius * self.radius - self.hole * self.hole;
         PI * self.turn * if self.low == self.high { flat } else { 2.0 * self.radius * (self.high - self.low) }
     }
