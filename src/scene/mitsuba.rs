@@ -79,8 +79,6 @@ pub fn contents<'a>(
         {
             reader.made.findings.refuse(node.error_at("id", "another element has this id"));
         }
-        let file = node.attribute("value").filter(|_| node.attribute("name") == Some("filename"));
-        reader.made.notes.extend(file.and_then(|file| document::outside(file, node)));
         all.extend(node.children.iter().rev());
     }
     parts(&root, path, progress, &mut reader);

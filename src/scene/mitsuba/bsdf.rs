@@ -144,12 +144,9 @@ fn principled<'a>(own: &Properties<'a>, one_sided: bool, reader: &mut Reader<'a,
 
 /// The BSDFs that another is made of.
 fn inner<'a, const N: usize>(own: &Properties<'a>, reader: &Reader<'a, '_>) -> Result<[&'a Node; N]> {
-    let is_other = |child| reader.target(child).is_ok_and(|target| target.tag != "bsdf");
-    let all = own.take(|child| child.tag == "bsdf" || child.tag == "ref" && !is_other(child));
-    let all = all.into_iter().map(|child| reader.follow(child, "bsdf")).collect::<Result<Vec<_>>>()?;
-    let error =
-        |all: Vec<_>| own.node.error(format!("expected {} in it, found {}", counted(N as u64, "bsdf"), all.len()));
-    all.try_into().map_err(error)
+    let all = own.elements("bsdf", reader)?;
+    let wrong = |all: Vec<_>| format!("expected {} in it, found {}", counted(N as u64, "bsdf"), all.len());
+    all.try_into().map_err(|all| own.node.error(wrong(all)))
 }
 
 fn conductor<'a>(

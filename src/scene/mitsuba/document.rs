@@ -124,6 +124,11 @@ impl<'l, 'm> Loader<'l, 'm> {
             let value = if old && is_name { snake_case(&value) } else { value };
             node.attributes.push(Attribute { name, value, at });
         }
+        let file = match node.tag == "path" || node.attribute("name") == Some("filename") {
+            true => node.attribute("value"),
+            false => node.attribute("filename"),
+        };
+        self.made.notes.extend(file.and_then(|file| outside(file, &node)));
         if node.tag == "spectrum" && node.attribute("filename").is_some() {
             let pairs = self.spectrum(&node)?;
             node.attributes.push(Attribute { name: "value".to_owned(), value: pairs, at: node.at.clone() });
@@ -147,7 +152,6 @@ impl<'l, 'm> Loader<'l, 'm> {
                 "path" => {
                     let name = child.required("value")?;
                     let folder = child.at.folder().join(name);
-                    self.made.notes.extend(outside(name, &child));
                     require(folder.is_dir(), || {
                         child.error_at("value", format!("there is no folder {}", folder.display()))
                     })?;
@@ -163,7 +167,6 @@ impl<'l, 'm> Loader<'l, 'm> {
     fn include(&mut self, include: &Node, into: &mut Node, depth: usize, old: bool) -> Result<()> {
         let name = include.required("filename")?;
         let path = resolve(name, include, &self.folders);
-        self.made.notes.extend(outside(name, include));
         let wrong = |message: String| include.error_at("filename", message);
         self.includes.open(&path).map_err(wrong)?;
         self.made.files.push(path.clone());
@@ -180,7 +183,6 @@ impl<'l, 'm> Loader<'l, 'm> {
     fn spectrum(&mut self, node: &Node) -> Result<String> {
         let name = node.required("filename")?;
         let path = resolve(name, node, &self.folders);
-        self.made.notes.extend(outside(name, node));
         self.made.assets.stamp_files(&path);
         let broken = |reason: String| node.error_at("filename", format!("{}: {reason}", path.display()));
         let pairs = spectrum::pairs_of_file(&path).map_err(broken)?;
@@ -224,7 +226,7 @@ pub fn resolve(name: &str, node: &Node, folders: &[PathBuf]) -> PathBuf {
 }
 
 /// What is told of a path that may lead out of the folder of its file.
-pub fn outside(name: &str, node: &Node) -> Option<String> {
+fn outside(name: &str, node: &Node) -> Option<String> {
     let leads_out = Path::new(name).components().any(|part| !matches!(part, Component::Normal(_) | Component::CurDir));
     leads_out.then(|| node.error(format!("it is outside of the scene's folder: {name}")).to_string())
 }

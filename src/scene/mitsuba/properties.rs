@@ -48,9 +48,11 @@ impl<'a> Properties<'a> {
     }
 
     /// The elements of a tag in it, or that it refers to.
-    pub fn elements(&self, tag: &str, reader: &Reader<'a, '_>) -> Vec<&'a Node> {
+    pub fn elements(&self, tag: &str, reader: &Reader<'a, '_>) -> Result<Vec<&'a Node>> {
+        let children = self.node.children.iter();
+        children.filter(|child| child.tag == "ref").try_for_each(|child| reader.target(child).map(drop))?;
         let found = |child: &'a Node| reader.follow(child, tag).ok();
-        self.take(|child| found(child).is_some()).into_iter().filter_map(found).collect()
+        Ok(self.take(|child| found(child).is_some()).into_iter().filter_map(found).collect())
     }
 
     pub fn find(&self, name: &str) -> Option<&'a Node> {

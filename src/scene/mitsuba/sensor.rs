@@ -30,13 +30,13 @@ pub fn sensor<'a>(node: &'a Node, reader: &mut Reader<'a, '_>) -> Result<(Camera
         reader.lose(clip, "it is not used: nothing is cut off");
     }
     let kind = own.kind_among(&["perspective", "thinlens", "orthographic"])?;
-    let film = match own.elements("film", reader)[..] {
+    let film = match own.elements("film", reader)?[..] {
         [] => Film { width: 768.0, height: 576.0, crop: [0.0, 0.0, 768.0, 576.0] },
         [film] => self::film(film, reader)?,
         _ => return Err(node.error("expected one film")),
     };
     let mut samples = 4;
-    for sampler in own.elements("sampler", reader) {
+    for sampler in own.elements("sampler", reader)? {
         let given = Properties::of(sampler);
         given.ignore(&["seed", "jitter"]);
         let count = given.integer_or("sample_count", 4)?;
@@ -55,7 +55,7 @@ pub fn sensor<'a>(node: &'a Node, reader: &mut Reader<'a, '_>) -> Result<(Camera
     require(!is_scaled || kind == "orthographic", || node.error("expected a to_world without a scale"))?;
     let from = to_world.translation;
     // Media are where their boundaries are.
-    reader.made.outside = own.elements("medium", reader).is_empty().then(|| (node.at.clone(), node.title(), from));
+    reader.made.outside = own.elements("medium", reader)?.is_empty().then(|| (node.at.clone(), node.title(), from));
     let mut camera = Camera::pinhole(from, from + z / lengths[2], y / lengths[1], 45.0);
     camera.mirror = to_world.matrix3.determinant() < 0.0;
     camera.vertical_fov = None;

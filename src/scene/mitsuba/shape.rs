@@ -65,27 +65,23 @@ pub fn shape<'a>(
         "sphere" => sphere(node, &to_world, flips, &surface, reader),
         "rectangle" => {
             let DMat3 { x_axis: x, y_axis: y, z_axis: z } = to_world.matrix3;
-            match surface.is_textured || flips || x.cross(y).dot(z) < 0.0 {
-                true => made(node, mesh::rectangle(), &to_world, flips, &surface, reader),
-                false => Object::Quad { corner: to_world.translation - x - y, u: 2.0 * x, v: 2.0 * y, material },
-            }
+            let ours = Object::Quad { corner: to_world.translation - x - y, u: 2.0 * x, v: 2.0 * y, material };
+            let is_ours = !surface.is_textured && !flips && x.cross(y).dot(z) >= 0.0;
+            let ours = Some(ours).filter(|_| is_ours);
+            ours.unwrap_or_else(|| made(node, mesh::rectangle(), &to_world, flips, &surface, reader))
         }
         "cube" => {
             let sides = to_world.matrix3.to_cols_array_2d().map(|column| DVec3::from_array(column).length());
             let half = DVec3::from_array(sides);
             let placed = to_world * DAffine3::from_scale(half.recip());
-            let cube = Object::Box { min: -half, max: half, material };
-            match moved(&placed, cube).filter(|_| !surface.is_textured && !flips) {
-                Some(object) => object,
-                None => made(node, mesh::cube(), &to_world, flips, &surface, reader),
-            }
+            let ours = moved(&placed, Object::Box { min: -half, max: half, material });
+            let ours = ours.filter(|_| !surface.is_textured && !flips);
+            ours.unwrap_or_else(|| made(node, mesh::cube(), &to_world, flips, &surface, reader))
         }
         "disk" => {
             let ours = surface::disk(&to_world, DVec3::ZERO, 1.0, flips, &material);
-            match ours.filter(|_| !surface.is_textured) {
-                Some(object) => object,
-                None => made(node, disk(), &to_world, flips, &surface, reader),
-            }
+            let ours = ours.filter(|_| !surface.is_textured);
+            ours.unwrap_or_else(|| made(node, disk(), &to_world, flips, &surface, reader))
         }
         "cylinder" => {
             around.min.z = 0.0;
@@ -272,12 +268,12 @@ fn file_mesh(
 /// The material and the medium of a shape.
 fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a, '_>) -> Result<Surface> {
     let node = own.node;
-    let of_bsdf = match own.elements("bsdf", reader)[..] {
+    let of_bsdf = match own.elements("bsdf", reader)?[..] {
         [] => None,
         [one] => Some(one),
         [_, other, ..] => return Err(other.error("expected one bsdf in a shape, found another")),
     };
-    let emitters = own.elements("emitter", reader);
+    let emitters = own.elements("emitter", reader)?;
     let mut inside = None;
     for child in own.take(|child| reader.follow(child, "medium").is_ok()) {
         let is_inside = child.attribute("name") == Some("interior");
@@ -319,14 +315,12 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a, '_>) -> Result<Surf
                 let missing = || node.error("expected one number for the sigma_t of its medium: it is not in glass");
                 *slot.ok_or_else(missing)? = absorption;
             }
-            let found = match (found, emission) {
-                (found, None) => found,
-                (None, Some(_)) => return Err(node.error("an area emitter without a surface is not read")),
-                (Some(found), Some((emitter, emission))) => {
-                    let wrong = || emitter.error("only diffuse and plastic surfaces can emit here");
-                    Some(surface::emitting(found, emission, false).ok_or_else(wrong)?)
-                }
-            };
+            if let Some((emitter, emission)) = emission {
+                let missing = || node.error("an area emitter without a surface is not read");
+                let wrong = || emitter.error("only diffuse and plastic surfaces can emit here");
+                let lamp = surface::emitting(found.ok_or_else(missing)?, emission, false);
+                found = Some(lamp.ok_or_else(wrong)?);
+            }
             let to_uv = reader.to_uv.unwrap_or(DAffine3::IDENTITY);
             let made = found.map(|material| (reader.add_material(material, of_bsdf.unwrap_or(node)), to_uv));
             reader.known.insert(key, made);
