@@ -28,7 +28,7 @@ use super::write::named;
 use crate::error::{Error, Location, Result};
 use crate::shape::Aabb;
 use crate::shape::mesh::Mesh;
-pub use image::Part;
+pub use image::Pattern;
 pub use write::{write_exr, write_ply};
 
 /// A place in a file.

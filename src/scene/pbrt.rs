@@ -200,7 +200,7 @@ impl Reader<'_, '_> {
         let params = Params::read(format!("{word} {target}"), at.clone(), tokens)?;
         let known = ["shape", "light", "material", "texture"].into_iter().find(|known| *known == target);
         let known = known.ok_or_else(|| at.error(word, "expected shape, light, material or texture"))?;
-        self.state.defaults.entry(known).or_default().extend(params.into_defaults());
+        self.state.defaults.entry(known).or_default().extend(params.all);
         Ok(())
     }
 

@@ -293,9 +293,13 @@ fn squares_may_have_textures() {
     };
     let checkerboard = |more: &str| format!("Texture \"t\" \"spectrum\" \"checkerboard\" {more}");
     let inner = "\"texture tex1\" \"s\" \"rgb tex2\" [0.25 0.5 0.75]";
-    for (scale, shift, times, size) in
-        [(1.0, 0.0, 2, (42, 36)), (2.0, 0.0, 1, (33, 34)), (3.0, 0.25, 2, (102, 100)), (0.5, 0.0, 4, (36, 40))]
-    {
+    for (scale, shift, times, size) in [
+        (1.0, 0.0, 2, (42, 36)),
+        (1.0, 0.25, 2, (42, 36)),
+        (2.0, 0.0, 1, (33, 34)),
+        (3.0, 0.25, 2, (102, 100)),
+        (0.5, 0.0, 4, (36, 40)),
+    ] {
         let text = format!("\"float uscale\" {scale} \"float vscale\" {scale} \"float udelta\" {shift}");
         let (scene, _files) = pattern(&checkerboard(&format!("{inner} {text}")), false);
         let texture = textures(&scene).0;
@@ -351,15 +355,36 @@ fn squares_may_have_textures() {
     let (scene, _files) = pattern(&nested, false);
     let found = values(textures(&scene).0, &scene);
     let side = (found.len() as f64).sqrt() as usize;
-    let at = |u: f64, v: f64| found[(u * side as f64) as usize + side * ((1.0 - v) * side as f64) as usize].x;
+    let at = |u: f64, v: f64| {
+        let value = found[(u * side as f64) as usize + side * ((1.0 - v) * side as f64) as usize].x;
+        // But for rounding errors.
+        (1e6 * value).round() / 1e6
+    };
     let rows = [0.06, 0.19, 0.31, 0.44, 0.75].map(|u| [at(u, 0.06), at(u, 0.19), at(u, 0.7)]);
     assert_eq!(rows, [[1.0, 0.0, 0.5], [0.0, 1.0, 0.5], [1.0, 0.0, 0.5], [0.0, 1.0, 0.5], [0.5, 0.5, 0.0]]);
+    // A mix of images of different mappings has the texels of the finer one, which it shows twice.
+    let mixed = format!(
+        "{} \"float uscale\" 2 {GREYS} Texture \"t\" \"spectrum\" \"mix\" \"texture tex1\" \"s\" \"rgb tex2\" [1 1 1] \"texture amount\" \"g\"",
+        T.replace("\"t\"", "\"s\"")
+    );
+    let scene = load(&files(&mixed).path().join("a.pbrt"), false).unwrap_or_else(|error| panic!("{error}"));
+    let found = values(textures(&scene).0, &scene);
+    for (index, own, amount) in
+        [(1, 1, share(0) + 0.25 * (share(1) - share(0))), (10, 4, share(5) - 0.25 * (share(5) - share(4)))]
+    {
+        let expected = srgb(own).lerp(Colour::ONE, amount);
+        assert!(
+            found.len() == 12 && (found[index] - expected).abs().max_element() < 1e-6,
+            "{index}: {found:?} {expected}"
+        );
+    }
+    let ends = mixed.replace("\"colours.png\"", "\"colours.png\" \"string wrap\" \"clamp\"");
+    let ends = ends.replace("\"greys.png\"", "\"greys.png\" \"string wrap\" \"clamp\"");
+    let refused = load(&files(&ends).path().join("a.pbrt"), false).expect_err("it ends").to_string();
+    assert!(refused.contains("Texture mix: expected one wrap of all its images: repeat, if"), "{refused}");
     let clamped = format!("{} \"string wrap\" \"clamp\" {}", T.replace("\"t\"", "\"s\""), checkerboard(inner));
     let refused = load(&files(&clamped).path().join("a.pbrt"), false).expect_err("it ends").to_string();
-    assert!(
-        refused.contains("Texture checkerboard: expected one wrap of all its images, which is repeat"),
-        "{refused}"
-    );
+    assert!(refused.contains("Texture checkerboard: expected one wrap of all its images: repeat, if"), "{refused}");
     let fine = format!("{} {}", T.replace("\"t\"", "\"s\""), checkerboard(&format!("{inner} \"float uscale\" 1e8")));
     let refused = load(&files(&fine).path().join("a.pbrt"), false).expect_err("it is too fine").to_string();
     assert!(refused.contains("which is more than a device can hold"), "{refused}");

@@ -13,14 +13,14 @@ use crate::scene::types::{Bitmap, Colour, Texture, Wrap};
 const ALONG_SQUARE: f64 = 16.0;
 
 /// A texture that an image is made of.
-pub struct Part {
+pub struct Pattern {
     pub texture: Texture,
     pub bitmap: Option<Bitmap>,
     /// The scale and the shift that make its own texture coordinates of those of the image. The scale is an integer.
     pub mapping: [DVec2; 2],
 }
 
-impl Part {
+impl Pattern {
     /// The texels of its bitmap along the sides of the image.
     pub fn texels(&self) -> Option<DVec2> {
         let size = self.bitmap.as_ref().map(|bitmap| DVec2::new(bitmap.width.into(), bitmap.height.into()));
@@ -49,7 +49,7 @@ impl Part {
         }
     }
 
-    /// Its own texture coordinate at both ends of a texel, along an axis. Rows are counted from the top, and v from below.
+    /// The texture coordinate of its own at both ends of a texel, along an axis. Rows are counted from the top, and v from below.
     fn ends(&self, axis: usize, texel: u32, size: u32) -> [f64; 2] {
         let [scale, shift] = self.mapping.map(|part| part[axis]);
         let texel = if axis == 1 { size - 1 - texel } else { texel };
@@ -83,10 +83,10 @@ fn interpolated(image: &Bitmap, wrap: Wrap, u: f64, v: f64) -> Colour {
 
 /// The width and the height of an image of these parts: of the largest bitmaps, or an odd multiple of these where squares need more texels. In an odd
 /// multiple the texels of a bitmap are among those of the image, so that it is the same between them.
-fn size_of_made(parts: &[Part]) -> [u32; 2] {
-    let most = |of: fn(&Part) -> Option<DVec2>| parts.iter().filter_map(of).reduce(DVec2::max);
-    let squares = most(Part::squares).unwrap_or(DVec2::ZERO);
-    let texels = most(Part::texels).unwrap_or(squares);
+fn size_of_made(parts: &[Pattern]) -> [u32; 2] {
+    let most = |of: fn(&Pattern) -> Option<DVec2>| parts.iter().filter_map(of).reduce(DVec2::max);
+    let squares = most(Pattern::squares).unwrap_or(DVec2::ZERO);
+    let texels = most(Pattern::texels).unwrap_or(squares);
     let least = (ALONG_SQUARE * squares / texels).ceil().max(DVec2::ONE);
     (texels * (least + (least + 1.0) % 2.0)).to_array().map(|texels| texels as u32)
 }
@@ -105,7 +105,7 @@ impl Imported<'_> {
     /// Adds an image whose values are `of` those of its parts, as a mesh is added, and tells its path. Equal images are one.
     pub fn add_image<const N: usize>(
         &mut self,
-        parts: &[Part; N],
+        parts: &[Pattern; N],
         of: impl Fn([Colour; N]) -> Colour,
     ) -> Result<String, String> {
         let size = size_of_made(parts);

@@ -104,14 +104,9 @@ pub fn shape<'a>(
         reader.lose(node, "its image ends at the poles here: Mitsuba blends its first row with its last");
     }
     let around = Aabb::around(around.corners().map(|p| to_world.transform_point3(p)));
-    reader.made.bodies.push(Body {
-        at: node.at.clone(),
-        title: node.title(),
-        around,
-        is_glass: surface.is_glass,
-        emits: surface.emits,
-        has_medium: surface.inside.is_some(),
-    });
+    let Surface { is_glass, emits, .. } = surface;
+    let (at, title, has_medium) = (node.at.clone(), node.title(), surface.inside.is_some());
+    reader.made.bodies.push(Body { at, title, around, is_glass, emits, has_medium });
     let mut objects = Vec::new();
     if let Some(medium) = &surface.inside {
         objects.push(named(medium.inside(surface::without_material(object.clone()))));

@@ -17,15 +17,15 @@ pub fn film(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
         require((1..=65536).contains(&found), wrong).map(|()| found as f64)
     };
     let (width, height) = (length("xresolution", 1280)?, length("yresolution", 720)?);
-    let share = edges(params, "cropwindow", "float", 0.0)?;
-    let pixels = edges(params, "pixelbounds", "integer", 0.0)?;
+    let share = edges(params, "cropwindow", "float")?;
+    let pixels = edges(params, "pixelbounds", "integer")?;
     let crop = match (pixels, share) {
         (Some(pixels), _) => pixels,
         (None, Some([a, b, c, d])) => [a * width, b * width, c * height, d * height].map(f64::ceil),
         (None, None) => [0.0, width, 0.0, height],
     };
     let most = [width, width, height, height];
-    let crop = [0, 1, 2, 3].map(|side| crop[side].min(most[side]));
+    let crop = [0, 1, 2, 3].map(|side| crop[side].clamp(0.0, most[side]));
     let has_pixels = crop[1] > crop[0] && crop[3] > crop[2];
     require(has_pixels, || params.error("expected a crop that leaves a pixel"))?;
     if let Some(sensor) = params.word("sensor")?.filter(|sensor| *sensor != "cie1931") {
@@ -42,18 +42,13 @@ pub fn film(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
     Ok(())
 }
 
-/// The left and the right edge of a window, and two edges along its height; all are numbers from `least` on.
-fn edges(params: &Params, name: &str, kind: &str, least: f64) -> Result<Option<[f64; 4]>> {
+/// The left and the right edge of a window, and those along its height.
+fn edges(params: &Params, name: &str, kind: &str) -> Result<Option<[f64; 4]>> {
     match params.numbers(name, &[kind])? {
         None => Ok(None),
-        Some(&[a, b, c, d]) if a < b && c < d && a.min(c) >= least => Ok(Some([a, b, c, d])),
+        Some(&[a, b, c, d]) if a < b && c < d => Ok(Some([a, b, c, d])),
         Some(_) => {
-            let order = if least == 0.0 {
-                "of 0 or more: left and right, top and bottom"
-            } else {
-                "left and right, bottom and top"
-            };
-            Err(params.error_at(name, format!("expected four numbers {order}")))
+            Err(params.error_at(name, "expected four numbers: left, right, and two along the height; each pair rises"))
         }
     }
 }
@@ -79,7 +74,7 @@ pub fn camera(kind: &str, params: &Params, to_world: &DAffine3, reader: &mut Rea
     let Film { width, height, crop: [left, right, top, bottom], .. } = reader.film;
     let aspect = params.number_or("frameaspectratio", width / height)?;
     let usual = if aspect > 1.0 { [-aspect, aspect, -1.0, 1.0] } else { [-1.0, 1.0, -1.0 / aspect, 1.0 / aspect] };
-    let [x0, x1, y0, y1] = edges(params, "screenwindow", "float", f64::MIN)?.unwrap_or(usual);
+    let [x0, x1, y0, y1] = edges(params, "screenwindow", "float")?.unwrap_or(usual);
     let has_even_pixels = ((x1 - x0) / width - (y1 - y0) / height).abs() <= 1e-6 * (x1 - x0) / width;
     let is_whole = [left, right, top, bottom] == [0.0, width, 0.0, height];
     let is_plain = has_even_pixels && is_whole && x0 == -x1 && y0 == -y1;

@@ -15,7 +15,7 @@ use crate::scene::types::Colour;
 pub struct Param {
     kind: String,
     name: String,
-    /// Its values: numbers, or else words.
+    /// The values: numbers, or else words.
     numbers: Vec<f64>,
     words: Vec<String>,
     at: Place,
@@ -28,7 +28,7 @@ pub struct Params {
     /// The directive with its kind: "Shape sphere".
     pub title: String,
     pub at: Place,
-    all: Vec<Param>,
+    pub all: Vec<Param>,
 }
 
 /// A colour as lights and materials take it.
@@ -95,10 +95,6 @@ impl Params {
             }
         }
         self
-    }
-
-    pub fn into_defaults(self) -> Vec<Param> {
-        self.all
     }
 
     pub fn error(&self, message: impl Into<String>) -> Error {

@@ -178,9 +178,9 @@ fn surface(params: &Params, inside: Option<&Medium>, power: f64, reader: &mut Re
 /// A part of a sphere, or of a cylinder or a disk around z.
 struct Quadric {
     radius: f64,
-    /// Its share of a turn.
+    /// The share of a turn.
     turn: f64,
-    /// Its ends along z.
+    /// The ends along z.
     low: f64,
     high: f64,
     /// The radius of the hole in a disk.

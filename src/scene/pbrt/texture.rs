@@ -10,57 +10,48 @@ use crate::bitmap::{Channel, from_srgb};
 use crate::error::{Result, require};
 use crate::printable::quote;
 use crate::scene::gltf_path::has_ending;
-use crate::scene::imported::Part;
+use crate::scene::imported::Pattern;
 use crate::scene::types::*;
 
-/// The texture of a directive.
+/// The texture of a directive, with its mapping.
 pub fn texture(kind: &str, is_colour: bool, params: &Params, reader: &mut Reader) -> Result<(Texture, Mapping)> {
-    reader.mapping = None;
-    let one = |name: &str, default: f64, reader: &mut Reader| part(params, name, default, is_colour, reader);
+    // Each texture that it is made of may have a mapping of its own.
+    let inner = |name: &str, default: f64, is_colour: bool, reader: &mut Reader| {
+        reader.mapping = None;
+        let own = part(params, name, default, is_colour, reader)?;
+        Ok((own, reader.mapping.take().unwrap_or(AS_THEY_ARE)))
+    };
     let found = match kind {
-        "constant" => one("value", 1.0, reader)?,
+        "constant" => inner("value", 1.0, is_colour, reader)?,
         "scale" => {
-            let (texture, scale) = (one("tex", 1.0, reader)?, part(params, "scale", 1.0, false, reader)?);
-            match scale.plain() {
-                Some(scale) => texture.map(|colour| scale.x * colour),
-                None => baked(params, is_colour, [texture, scale], |[colour, scale]| scale * colour, reader)?,
+            let (own, scale) = (inner("tex", 1.0, is_colour, reader)?, inner("scale", 1.0, false, reader)?);
+            match scale.0.plain() {
+                Some(scale) => (own.0.map(|colour| scale.x * colour), own.1),
+                None => made_of(params, is_colour, [own, scale], |[colour, scale]| scale * colour, reader)?,
             }
         }
         "mix" => {
-            let (a, b) = (one("tex1", 0.0, reader)?, one("tex2", 1.0, reader)?);
-            let parts = [a, b, part(params, "amount", 0.5, false, reader)?];
-            baked(params, is_colour, parts, |[a, b, amount]| a + amount * (b - a), reader)?
+            let (a, b) = (inner("tex1", 0.0, is_colour, reader)?, inner("tex2", 1.0, is_colour, reader)?);
+            let parts = [a, b, inner("amount", 0.5, false, reader)?];
+            made_of(params, is_colour, parts, |[a, b, amount]| a + amount * (b - a), reader)?
         }
-        "checkerboard" => checkerboard(params, is_colour, reader)?,
-        "imagemap" => image_map(is_colour, params, reader)?,
+        "checkerboard" => {
+            let is_flat = params.integer_or("dimension", 2)? == 2;
+            require(is_flat, || params.error_at("dimension", "expected 2: others are not read"))?;
+            let (a, b) = (inner("tex1", 1.0, is_colour, reader)?, inner("tex2", 0.0, is_colour, reader)?);
+            // Texture coordinates repeat at 1, where two squares have passed.
+            let squares = mapping(params)?.map(|part| 0.5 * part);
+            let is_b = Texture::Checker { scale: 0.5, even: Colour::ZERO, odd: Colour::ONE, uv: true };
+            let of = |[a, b, is_b]: [Colour; 3]| a * (1.0 - is_b) + b * is_b;
+            made_of(params, is_colour, [a, b, (is_b, squares)], of, reader)?
+        }
+        "imagemap" => (image_map(is_colour, params, reader)?, mapping(params)?),
         _ => {
             let message = "this texture is not read: expected constant, scale, mix, checkerboard or imagemap";
             return Err(params.error(message));
         }
     };
-    if kind == "imagemap" {
-        reader.mapping = Some(mapping(params)?);
-    }
     reader.end(params);
-    Ok((found, reader.mapping.take().unwrap_or(AS_THEY_ARE)))
-}
-
-/// Squares of two textures, each of which may have a mapping of its own.
-fn checkerboard(params: &Params, is_colour: bool, reader: &mut Reader) -> Result<Texture> {
-    let is_flat = params.integer_or("dimension", 2)? == 2;
-    require(is_flat, || params.error_at("dimension", "expected 2: others are not read"))?;
-    let mut inner = |name: &str, default: f64| {
-        reader.mapping = None;
-        let own = part(params, name, default, is_colour, reader)?;
-        Ok((own, reader.mapping.unwrap_or(AS_THEY_ARE)))
-    };
-    let (even, odd) = (inner("tex1", 1.0)?, inner("tex2", 0.0)?);
-    let is_odd = Texture::Checker { scale: 0.5, even: Colour::ZERO, odd: Colour::ONE, uv: true };
-    // Texture coordinates repeat at 1, where two squares have passed.
-    let squares = mapping(params)?.map(|part| 0.5 * part);
-    let of = |[even, odd, is_odd]: [Colour; 3]| even * (1.0 - is_odd) + odd * is_odd;
-    let (found, mapping) = made_of(params, is_colour, [even, odd, (is_odd, squares)], of, reader)?;
-    reader.mapping = Some(mapping);
     Ok(found)
 }
 
@@ -143,10 +134,12 @@ fn made_of<const N: usize>(
     of: impl Fn([Colour; N]) -> Colour,
     reader: &mut Reader,
 ) -> Result<(Texture, Mapping)> {
-    let varying: Vec<&(Texture, Mapping)> = parts.iter().filter(|(part, _)| part.needs_uv()).collect();
+    let varying = parts.iter().filter(|(part, _)| part.needs_uv());
+    let (images, squares): (Vec<_>, Vec<_>) = varying.partition(|(part, _)| part.decoded().is_some());
+    let varying: Vec<&(Texture, Mapping)> = images.iter().chain(&squares).copied().collect();
     let mappings: Vec<Mapping> = varying.iter().map(|(_, own)| *own).collect();
-    let images = varying.iter().filter(|(part, _)| part.decoded().is_some()).count();
-    let (has_squares, first) = (images < varying.len(), mappings.first().copied().unwrap_or(AS_THEY_ARE));
+    let (images, has_squares) = (images.len(), !squares.is_empty());
+    let first = mappings.first().copied().unwrap_or(AS_THEY_ARE);
     if images == 0 && mappings.iter().all(|own| *own == first) {
         let colours = |is_odd: bool| parts.each_ref().map(|(part, _)| of_square(part, is_odd));
         let (even, odd) = (of(colours(false)), of(colours(true)));
@@ -154,13 +147,14 @@ fn made_of<const N: usize>(
         return Ok((if has_squares { squares } else { even.into() }, first));
     }
     let wrap = varying.first().map_or(Wrap::Repeat, |(part, _)| part.wrap());
-    let is_one = varying.iter().all(|(part, _)| part.wrap() == wrap);
-    require(is_one, || params.error("expected one wrap of all its images, which is repeat in a checkerboard"))?;
+    let repeats = |(part, own): &&(Texture, Mapping)| part.wrap() == wrap && (wrap == Wrap::Repeat || *own == first);
+    let wraps = "expected one wrap of all its images: repeat, if they are in a checkerboard or of different mappings";
+    require(varying.iter().all(repeats), || params.error(wraps))?;
     let wrong = "expected a uscale and a vscale whose ratio to those of its textures is a number such as 8, 1/2 or 3/2, in parts of 1/16 at least";
     let over = common(&mappings).ok_or_else(|| params.error(wrong))?;
     let mut sources = parts.map(|(texture, own)| {
         let scale = (own[0] / over[0]).round();
-        Part { texture, bitmap: None, mapping: [scale, own[1] - scale * over[1]] }
+        Pattern { texture, bitmap: None, mapping: [scale, own[1] - scale * over[1]] }
     });
     for part in &mut sources {
         if let Some((path, decoding)) = part.texture.decoded() {
@@ -168,10 +162,10 @@ fn made_of<const N: usize>(
             part.bitmap = Some(image.map_err(|reason| params.error(format!("{path}: {reason}")))?);
         }
     }
-    let mut sizes = sources.iter().filter_map(Part::texels);
-    let largest = sizes.next();
-    if sizes.any(|size| Some(size) != largest) {
-        reader.lose(params, "", "its images have different sizes: here all have that of the largest");
+    let mut texels = sources.iter().filter_map(|part| Some((part.texels()?, part.mapping[1])));
+    let largest = texels.next();
+    if texels.any(|own| Some(own) != largest) {
+        reader.lose(params, "", "its images have different sizes or shifts: here all have the texels of one");
     }
     if has_squares {
         reader.lose(params, "", "the edges of its squares are a texel wide here");
@@ -193,17 +187,16 @@ fn of_square(texture: &Texture, is_odd: bool) -> Colour {
     }
 }
 
-/// The mapping of an image in which textures of these mappings are complete, each a whole number of times: that of the one which is scaled the least, or a
-/// small part of it.
+/// The mapping of an image in which textures of these mappings are complete, each a whole number of times. It begins where the first does.
 fn common(all: &[Mapping]) -> Option<Mapping> {
     let mut found = AS_THEY_ARE;
+    let first = all.first()?;
     for axis in 0..2 {
-        let [scale, shift] =
-            all.iter().min_by(|a, b| a[0][axis].abs().total_cmp(&b[0][axis].abs()))?.map(|part| part[axis]);
+        let least = all.iter().map(|own| own[0][axis]).min_by(|a, b| a.abs().total_cmp(&b.abs()))?;
         let is_whole = |ratio: f64| (ratio - ratio.round()).abs() <= 1e-6;
-        let fits = |parts: &f64| all.iter().all(|own| is_whole(own[0][axis] * parts / scale));
-        let parts = (1..=16).map(f64::from).find(fits)?;
-        (found[0][axis], found[1][axis]) = (scale / parts, shift / parts);
+        let fits = |scale: &f64| all.iter().all(|own| is_whole(own[0][axis] / scale));
+        let scale = (1..=16).map(|parts| least / f64::from(parts)).find(fits)?;
+        (found[0][axis], found[1][axis]) = (scale, first[1][axis] / (first[0][axis] / scale).round());
     }
     Some(found)
 }
