@@ -34,14 +34,18 @@ impl Pattern {
 
     /// The colour at a texel of an image of this size.
     fn at(&self, texel: [u32; 2], size: [u32; 2]) -> Colour {
-        let ends = [0, 1].map(|axis| self.ends(axis, texel[axis], size[axis]));
+        let ends = || [0, 1].map(|axis| self.ends(axis, texel[axis], size[axis]));
+        let is_as_it_is = self.mapping == [DVec2::ONE, DVec2::ZERO];
         match (&self.texture, &self.bitmap) {
+            (Texture::Image { tint, .. }, Some(own)) if is_as_it_is && [own.width, own.height] == size => {
+                *tint * colour(own, texel[0] as usize, texel[1] as usize)
+            }
             (Texture::Image { tint, wrap, .. }, Some(bitmap)) => {
-                let [u, v] = ends.map(|[begin, end]| 0.5 * (begin + end));
+                let [u, v] = ends().map(|[begin, end]| 0.5 * (begin + end));
                 *tint * interpolated(bitmap, *wrap, u, 1.0 - v)
             }
             (Texture::Checker { even, odd, .. }, _) => {
-                let [across, along] = ends.map(mean_sign);
+                let [across, along] = ends().map(mean_sign);
                 let share_of_odd = 0.5 - 0.5 * across * along;
                 *even * (1.0 - share_of_odd) + *odd * share_of_odd
             }
@@ -63,6 +67,10 @@ fn mean_sign([begin, end]: [f64; 2]) -> f64 {
     ((integral(end) - integral(begin)) / (end - begin)).clamp(-1.0, 1.0)
 }
 
+fn colour(image: &Bitmap, x: usize, y: usize) -> Colour {
+    Colour::from_array(image.texel(y * image.width as usize + x).map(f64::from))
+}
+
 /// The colour of an image, by bilinear interpolation. v is downwards.
 fn interpolated(image: &Bitmap, wrap: Wrap, u: f64, v: f64) -> Colour {
     let axis = |at: f64, size: u32| {
@@ -76,8 +84,7 @@ fn interpolated(image: &Bitmap, wrap: Wrap, u: f64, v: f64) -> Colour {
         ([exact.floor(), exact.floor() + 1.0].map(place), exact - exact.floor())
     };
     let ((columns, right), (rows, down)) = (axis(u, image.width), axis(v, image.height));
-    let texel = |x: usize, y: usize| Colour::from_array(image.texel(y * image.width as usize + x).map(f64::from));
-    let [above, below] = rows.map(|y| texel(columns[0], y).lerp(texel(columns[1], y), right));
+    let [above, below] = rows.map(|y| colour(image, columns[0], y).lerp(colour(image, columns[1], y), right));
     above.lerp(below, down)
 }
 

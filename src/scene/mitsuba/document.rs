@@ -170,7 +170,8 @@ impl<'l, 'm> Loader<'l, 'm> {
         let wrong = |message: String| include.error_at("filename", message);
         self.includes.open(&path).map_err(wrong)?;
         self.made.files.push(path.clone());
-        let root = self.load(&path, depth + 1, old).map_err(|error| files::where_included(error, wrong))?;
+        let unread = |message: String| wrong(format!("{}: {message}", path.display()));
+        let root = self.load(&path, depth + 1, old).map_err(|error| files::where_included(error, unread))?;
         self.includes.close();
         match root.tag.as_str() {
             "scene" => into.children.extend(root.children),

@@ -213,8 +213,8 @@ impl Quadric {
     }
 }
 
-/// The lights that a shape is by pbrt, with their faces. The power of each with a radiance of 1 is π times its area. That is the area before the transform, or of a mesh that
-/// of each face, which is a light of its own. Faces of one area are together.
+/// The lights that a shape is by pbrt, with their faces. The power of each with a radiance of 1 is π times its area: of a quadric that before the
+/// transform, of a mesh that of each face, which is a light of its own. Faces of one area are together.
 fn lamps(kind: &str, params: &Params, reader: &mut Reader) -> Result<Vec<(f64, Faces)>> {
     let area = reader.state.area.and_then(|area| reader.areas.get(area));
     if !area.is_some_and(|area| area.is_power) {
