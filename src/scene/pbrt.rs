@@ -150,9 +150,8 @@ impl Reader<'_, '_> {
 
     fn begin_state(&mut self, word: &str, at: &Place, tokens: &mut Tokens<'_>) -> Result<()> {
         let name = if word == "ObjectBegin" { Some(tokens.text(word, "its name")?) } else { None };
-        require(self.states.len() < MOST_STATES, || {
-            at.error(word, format!("expected at most {MOST_STATES} of them at a time"))
-        })?;
+        let wrong = || at.error(word, format!("expected at most {MOST_STATES} of them at a time"));
+        require(self.states.len() < MOST_STATES, wrong)?;
         self.states.push((self.state.clone(), at.clone()));
         if let Some(name) = name {
             require(self.definition.is_none(), || at.error(word, "expected no object inside another"))?;
@@ -208,9 +207,8 @@ impl Reader<'_, '_> {
         let (name, kind) = (tokens.text(word, "its name")?, tokens.text(word, "float or spectrum")?);
         let (class, params) = self.kind_of(word, at, tokens)?;
         let params = params.with_defaults(self.state.defaults.get("texture"));
-        if !["float", "spectrum"].contains(&kind) {
-            return Err(params.error(format!("expected float or spectrum, found {}", quote(kind))));
-        }
+        let wrong = || params.error(format!("expected float or spectrum, found {}", quote(kind)));
+        require(["float", "spectrum"].contains(&kind), wrong)?;
         let is_colour = kind == "spectrum";
         let found = texture::texture(class, is_colour, &params, self)?;
         self.textures.insert((is_colour, name.to_owned()), found);

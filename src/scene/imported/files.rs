@@ -28,9 +28,8 @@ impl Includes {
 
     /// Opens a file that the last one includes.
     pub fn open(&mut self, path: &Path) -> std::result::Result<(), String> {
-        require(!self.open.contains(&real(path)), || {
-            format!("{} includes itself: expected no circle", path.display())
-        })?;
+        let circle = || format!("{} includes itself: expected no circle", path.display());
+        require(!self.open.contains(&real(path)), circle)?;
         if self.open.len() > DEEPEST || self.count >= MOST_FILES {
             return Err(format!("expected at most {MOST_FILES} included files, {DEEPEST} in each other"));
         }

@@ -152,9 +152,8 @@ impl<'l, 'm> Loader<'l, 'm> {
                 "path" => {
                     let name = child.required("value")?;
                     let folder = child.at.folder().join(name);
-                    require(folder.is_dir(), || {
-                        child.error_at("value", format!("there is no folder {}", folder.display()))
-                    })?;
+                    let missing = || child.error_at("value", format!("there is no folder {}", folder.display()));
+                    require(folder.is_dir(), missing)?;
                     self.folders.insert(0, folder);
                 }
                 "include" => self.include(&child, &mut node, depth, old)?,
@@ -197,9 +196,8 @@ impl<'l, 'm> Loader<'l, 'm> {
         let mut rest = value;
         while let Some((before, after)) = rest.split_once('$') {
             out.push_str(before);
-            require(out.len() <= LONGEST_VALUE, || {
-                format!("expected values of names of at most {LONGEST_VALUE} bytes")
-            })?;
+            let wrong = || format!("expected values of names of at most {LONGEST_VALUE} bytes");
+            require(out.len() <= LONGEST_VALUE, wrong)?;
             let known = self.names.iter().filter(|(name, _)| after.starts_with(name.as_str()));
             let Some((name, value)) = known.max_by_key(|(name, _)| name.len()) else {
                 let end = after.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(after.len());

@@ -95,17 +95,14 @@ pub fn camera(kind: &str, params: &Params, to_world: &DAffine3, reader: &mut Rea
             }
         }
         "orthographic" => {
-            if !is_plain {
-                return Err(
-                    params.error("expected the usual screenwindow and no crop: parallel rays have no others here")
-                );
-            }
+            let message = "expected the usual screenwindow and no crop: parallel rays have no others here";
+            require(is_plain, || params.error(message))?;
             camera.projection = Some(Projection::Orthographic { height: 2.0 * y1 * longest });
         }
         "spherical" => {
-            if params.word("mapping")? != Some("equirectangular") || !is_whole {
-                return Err(params.error_at("mapping", "expected equirectangular, and no crop: others are not read"));
-            }
+            let is_read = params.word("mapping")? == Some("equirectangular") && is_whole;
+            let wrong = || params.error_at("mapping", "expected equirectangular, and no crop: others are not read");
+            require(is_read, wrong)?;
             // Its image shows the right, the front, the left and the back: the left is in the middle.
             camera.look_at = from - plain(x / longest);
             camera.mirror = !camera.mirror;
@@ -127,9 +124,8 @@ pub fn camera(kind: &str, params: &Params, to_world: &DAffine3, reader: &mut Rea
 }
 
 pub fn integrator(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
-    if !["path", "volpath", "simplepath", "simplevolpath", "bdpt", "mlt", "sppm", "lightpath"].contains(&kind) {
-        return Err(params.error("this integrator is not read: expected path or volpath"));
-    }
+    let known = ["path", "volpath", "simplepath", "simplevolpath", "bdpt", "mlt", "sppm", "lightpath"];
+    require(known.contains(&kind), || params.error("this integrator is not read: expected path or volpath"))?;
     let depth = params.integer_or("maxdepth", 5)?;
     let depth = u32::try_from(depth).ok().filter(|depth| (1..=1_000_000).contains(depth));
     reader.made.parts.render.max_depth =

@@ -119,16 +119,14 @@ fn illuminance(image: &Bitmap) -> f64 {
 
 /// The medium of a directive.
 pub fn medium(params: &Params, reader: &mut Reader) -> Result<Medium> {
-    if params.word("type")?.unwrap_or("homogeneous") != "homogeneous" {
-        return Err(params.error_at("type", "expected homogeneous: other media are not read"));
-    }
+    let is_even = params.word("type")?.is_none_or(|kind| kind == "homogeneous");
+    require(is_even, || params.error_at("type", "expected homogeneous: other media are not read"))?;
     let scale = params.number_or("scale", 1.0)?;
     let (Some(absorbed), Some(scattered)) = (params.colour("sigma_a")?, params.colour("sigma_s")?) else {
         return Err(params.error("expected sigma_a and sigma_s"));
     };
-    if absorbed.min_element().min(scattered.min_element()) < 0.0 || scale < 0.0 {
-        return Err(params.error("expected sigma_a, sigma_s and a scale of 0 or more"));
-    }
+    let least = absorbed.min(scattered).min_element().min(scale);
+    require(least >= 0.0, || params.error("expected sigma_a, sigma_s and a scale of 0 or more"))?;
     let extinction = absorbed + scattered;
     let share = |scattered: f64, all: f64| if all > 0.0 { scattered / all } else { 0.0 };
     let albedo = Colour::new(

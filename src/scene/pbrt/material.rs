@@ -121,9 +121,8 @@ fn translucent(params: &Params, reader: &mut Reader) -> Result<Material> {
     let base_color = part(true, |parts| over(parts[0], 1.0 - share_of(parts)))?;
     let diffuse_transmission_color = part(true, |parts| over(parts[1], share_of(parts)))?;
     let (sum, images) = (most.get(), parts.iter().filter(|part| part.decoded().is_some()).count());
-    if sum > 1.0 && images == 0 {
-        return Err(params.error(format!("expected a reflectance and transmittance of 1 at most, found {sum}")));
-    }
+    let wrong = || params.error(format!("expected a reflectance and transmittance of 1 at most, found {sum}"));
+    require(sum <= 1.0 || images > 0, wrong)?;
     if sum > 1.0 {
         reader.lose(params, "", "where it would scatter more light than it gets, both parts are less here");
     }
@@ -191,9 +190,8 @@ fn mix(params: &Params, reader: &mut Reader) -> Result<Material> {
         let look = reader.named_looks.get(name).and_then(|look| reader.looks.get(*look));
         let look = look.ok_or_else(|| wrong("there is no material of this name above"))?;
         let (found, at, mapping) = (look.material.clone(), look.at.clone(), look.mapping);
-        if mapping.is_some_and(|mapping| !reader.has_mapping(mapping)) {
-            return Err(wrong("expected one mapping of all textures of a surface, found another"));
-        }
+        let is_one = mapping.is_none_or(|mapping| reader.has_mapping(mapping));
+        require(is_one, || wrong("expected one mapping of all textures of a surface, found another"))?;
         let found = surface::mixed(found, "an interface cannot be mixed").map_err(|message| wrong(&message))?;
         Ok(reader.add_material(found, name, &at))
     };
