@@ -59,8 +59,12 @@ pub const CODE: f32 = 1.0 / 255.0;
 
 /// The linear value of an sRGB code in 0..=1 (IEC 61966-2-1).
 pub fn from_srgb(code: f64) -> f32 {
-    let light = if code <= 0.04045 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) };
-    light as f32
+    light_of_srgb(code) as f32
+}
+
+/// The same, not rounded.
+pub fn light_of_srgb(code: f64) -> f64 {
+    if code <= 0.04045 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
 }
 
 impl Decoding {

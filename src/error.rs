@@ -82,6 +82,14 @@ pub enum Error {
 
 pub type Result<T> = std::result::Result<T, Error>;
 
+/// Refuses what does not hold, by the error that says what is expected.
+pub(crate) fn require<E>(holds: bool, error: impl FnOnce() -> E) -> std::result::Result<(), E> {
+    match holds {
+        true => Ok(()),
+        false => Err(error()),
+    }
+}
+
 /// The first of several errors, if there is one.
 pub(crate) fn first(errors: Vec<Error>) -> Result<()> {
     errors.into_iter().next().map_or(Ok(()), Err)

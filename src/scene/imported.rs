@@ -1,6 +1,7 @@
 //! Scenes of other programs: what their readers make, and the shapes, spectra and transforms that they share.
 
 pub mod bodies;
+pub mod files;
 mod image;
 pub mod mesh;
 pub mod spectrum;
@@ -13,16 +14,21 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use super::assets::Assets;
 use super::draft::{MOST_BYTES, too_large};
+use super::file::OnProgress;
 use super::findings::Findings;
 use super::gltf_options::GltfOptions;
+use super::mesh_files::load_file;
 use super::recover::Parts;
 use super::types::*;
 use super::write::named;
-use crate::error::{Error, Location};
+use crate::error::{Error, Location, Result};
+use crate::shape::Aabb;
 use crate::shape::mesh::Mesh;
-pub use image::Part;
+pub use image::Pattern;
 pub use write::{write_exr, write_ply};
 
 /// A place in a file.
@@ -47,6 +53,17 @@ impl Place {
     }
 }
 
+/// A shape, and a box around it.
+pub struct Body {
+    pub at: Place,
+    /// The name in messages.
+    pub title: String,
+    pub around: Aabb,
+    pub is_glass: bool,
+    pub emits: bool,
+    pub has_medium: bool,
+}
+
 /// The scene that a reader has made so far, and what it has told.
 pub struct Imported<'a> {
     /// The scene file that is written, to whose folder paths are relative.
@@ -63,6 +80,10 @@ pub struct Imported<'a> {
     pub notes: Vec<String>,
     /// The files that were read, without the first.
     pub files: Vec<PathBuf>,
+    /// The shapes that may be inside of others, or around them.
+    pub bodies: Vec<Body>,
+    /// A camera that names no medium around it, and where it is.
+    pub outside: Option<(Place, String, DVec3)>,
     /// Where values of the scene stand, by their paths such as `objects[3]`.
     pub places: HashMap<String, Location>,
     pub findings: Findings,
@@ -86,6 +107,8 @@ impl<'a> Imported<'a> {
             room: MOST_BYTES,
             notes: Vec::new(),
             files: Vec::new(),
+            bodies: Vec::new(),
+            outside: None,
             places: HashMap::new(),
             findings: Findings::default(),
             assets,
@@ -117,6 +140,15 @@ impl<'a> Imported<'a> {
         objects.push(object);
     }
 
+    /// Sets the light around the scene.
+    pub fn set_background(&mut self, background: Background, what: &str, at: &Place) -> Result<()> {
+        self.place(&["background"], at);
+        match self.parts.background.replace(background) {
+            None => Ok(()),
+            Some(_) => Err(at.error(what, "expected one light around the scene, found another")),
+        }
+    }
+
     /// The index of a material, whose name is `base` if that is free. Equal materials of one base are one.
     pub fn add_material(&mut self, material: Material, base: &str, at: &Place) -> usize {
         let next = self.parts.materials.len();
@@ -132,6 +164,17 @@ impl<'a> Imported<'a> {
             self.parts.materials.push((name, material));
         }
         index
+    }
+
+    /// The mesh of a file.
+    pub fn mesh(&mut self, path: &Path, progress: &mut OnProgress) -> std::result::Result<Arc<Mesh>, String> {
+        let files = self.assets.stamp_files(path);
+        if let Some((known, _)) = self.assets.mesh(path, &files) {
+            return Ok(known);
+        }
+        let (read, left) = load_file(path, MOST_BYTES, progress)?;
+        self.assets.keep_mesh(path, files, (Arc::clone(&read), MOST_BYTES - left));
+        Ok(read)
     }
 
     /// Adds a mesh that no file has: the scene's own file has it, or one that `convert` writes.

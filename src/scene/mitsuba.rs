@@ -27,7 +27,6 @@ use super::imported::{Imported, Place, bodies};
 use super::types::*;
 use crate::error::{Error, Result};
 use document::{Loader, Node};
-use emitter::Emitter;
 use reader::Reader;
 
 /// Whether the ending of a path says Mitsuba.
@@ -43,18 +42,16 @@ pub fn contents<'a>(
     progress: &mut OnProgress,
     assets: &'a mut Assets,
 ) -> Result<Imported<'a>> {
-    let mut loader = Loader::new(&options.defines, assets);
-    loader.folders.push(path.parent().unwrap_or(Path::new("")).to_owned());
+    let mut made = Imported::new(path, to, options, assets);
+    let mut loader = Loader::new(path, &options.defines, &mut made);
     let root = loader.load(path, 0, false)?;
     if let Some(name) = loader.unused(&options.defines) {
         return Err(Error::Usage(format!("-D {name}: {} has no ${name}", path.display())));
     }
-    let Loader { folders, files, notes, .. } = loader;
+    let folders = loader.folders;
     let of_media =
         |node: &Node| node.tag == "integrator" && node.attribute("type").is_some_and(|kind| kind.starts_with("vol"));
     let has_media = root.children.iter().any(|node| of_media(node) || node.children.iter().any(of_media));
-    let mut made = Imported::new(path, to, options, assets);
-    (made.files, made.notes) = (files, notes);
     let mut reader = Reader {
         ids: HashMap::new(),
         folders,
@@ -64,9 +61,6 @@ pub fn contents<'a>(
         parts: HashMap::new(),
         to_uv: None,
         grouped: HashMap::new(),
-        bodies: Vec::new(),
-        outside: None,
-        of_files: HashMap::new(),
         depth: 0,
     };
     let mut all = vec![&root];
@@ -85,13 +79,10 @@ pub fn contents<'a>(
         {
             reader.made.findings.refuse(node.error_at("id", "another element has this id"));
         }
-        let file = node.attribute("value").filter(|_| node.attribute("name") == Some("filename"));
-        reader.made.notes.extend(file.and_then(|file| document::outside(file, node)));
         all.extend(node.children.iter().rev());
     }
     parts(&root, path, progress, &mut reader);
-    let camera = reader.outside.map(|(node, at)| (node.at.clone(), node.title(), at));
-    bodies::tell(&reader.bodies, camera, "Mitsuba", &mut reader.made);
+    bodies::tell("Mitsuba", &mut reader.made);
     Ok(reader.made)
 }
 
@@ -111,16 +102,7 @@ fn parts<'a>(root: &'a Node, path: &Path, progress: &mut OnProgress, reader: &mu
                     view = Some(sensor::sensor(node, reader)?);
                 }
                 "emitter" if node.attribute("type") == Some("area") => {}
-                "emitter" => match emitter::emitter(node, reader)? {
-                    Emitter::Object(object) => reader.made.add_object(object, &node.at),
-                    Emitter::Background(_) if reader.made.parts.background.is_some() => {
-                        return Err(node.error("expected one emitter around the scene, found another"));
-                    }
-                    Emitter::Background(found) => {
-                        reader.made.place(&["background"], &node.at);
-                        reader.made.parts.background = Some(found);
-                    }
-                },
+                "emitter" => emitter::emitter(node, reader)?,
                 "shape" => {
                     let found = shape::shape(node, &DAffine3::IDENTITY, progress, reader)?;
                     found.into_iter().for_each(|object| reader.made.add_object(object, &node.at));

@@ -203,9 +203,15 @@ fn errors_have_places() {
             "a.pbrt:4:24: LightSource infinite.filename: a.exr: cannot read the image",
         ),
         (
-            "AreaLightSource \"diffuse\" \"float power\" 1 Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1.1 0] \
+            "AreaLightSource \"diffuse\" \"float power\" 1 Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 2 0 0] \
+             \"integer indices\" [0 1 2]",
+            "a.pbrt:4:43: Shape trianglemesh: expected faces with an area",
+        ),
+        (
+            "MakeNamedMedium \"a\" \"rgb sigma_a\" [1 1 1] \"rgb sigma_s\" [1 1 1] MediumInterface \"a\" \"\" \
+             AreaLightSource \"diffuse\" \"float power\" 1 Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1.1 0] \
              \"integer indices\" [0 1 2 1 3 2]",
-            "a.pbrt:4:43: Shape trianglemesh: expected faces of one area",
+            "Shape trianglemesh: expected no power for the faces of different areas around a medium",
         ),
         (
             "LightSource \"point\" \"spectrum I\" \"stdillum-F13\"",
@@ -228,8 +234,8 @@ fn errors_have_places() {
             "a.pbrt:4:58: Texture imagemap.encoding: expected sRGB, linear, or gamma and a number above 0",
         ),
         (
-            "Texture \"a\" \"float\" \"checkerboard\" Texture \"b\" \"float\" \"mix\" \"texture amount\" \"a\"",
-            "Texture mix: a checkerboard in it is not read",
+            "Texture \"a\" \"float\" \"checkerboard\" \"float uscale\" 3.21 Texture \"b\" \"float\" \"checkerboard\" \"texture tex1\" \"a\"",
+            "Texture checkerboard: expected a uscale and a vscale whose ratio to those of its textures is a number such as 8, 1/2",
         ),
         ("ActiveTransform Middle", "ActiveTransform: expected StartTime, EndTime or All"),
         (
@@ -341,6 +347,59 @@ fn faces_have_the_power_of_their_lamp() {
         let found = radiance(shape, before);
         assert!((found * area - 1.0).abs() < 1e-9, "{shape}: {found}");
     }
+}
+
+/// Faces of different areas have a radiance each: that of one is the power over π times its area.
+#[test]
+fn faces_of_different_areas_are_lamps_of_their_own() {
+    const PI: f64 = std::f64::consts::PI;
+    let lamps = |shape: &str| {
+        let text = format!(
+            "{VIEW}Material \"diffuse\" \"rgb reflectance\" [0 0 0] Scale 2 2 2 AreaLightSource \"diffuse\" \"float power\" 8 Shape {shape}"
+        );
+        let scene = read(&text).unwrap_or_else(|error| panic!("{error}"));
+        let materials: std::collections::HashMap<_, _> = scene.materials.iter().cloned().collect();
+        let lamp = |object: &Object| {
+            let Object::Mesh { path, material: Some(material) } = object else { panic!("{object:?}") };
+            let Material::DiffuseLight(lamp) = &materials[material] else { panic!("{:?}", materials[material]) };
+            let mesh = &scene.meshes[path];
+            let area = mesh.triangles.iter().map(|triangle| {
+                let [a, b, c] = triangle.map(|corner| mesh.positions[corner as usize]);
+                0.5 * (b - a).cross(c - a).length()
+            });
+            assert!(mesh.uvs.is_empty() || mesh.uvs.len() == mesh.positions.len());
+            (area.sum::<f64>(), mesh.triangles.len(), lamp.emit.plain().expect("it is plain").x)
+        };
+        scene.objects.iter().map(lamp).collect::<Vec<_>>()
+    };
+    // Two triangles of an area of 2 after the transform, and one of 6.
+    let points = "\"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0 4 0 0]";
+    let triangles = format!("\"trianglemesh\" {points} \"integer indices\" [0 1 2 1 3 2 1 4 3]");
+    for (shape, expected) in [
+        (triangles.as_str(), [(6.0, 1, 6.0), (4.0, 2, 2.0)]),
+        (
+            "\"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0 3 0 0 3 1 0] \"integer indices\" [0 1 2 3 1 4 3 5]",
+            [(8.0, 2, 8.0), (4.0, 2, 4.0)],
+        ),
+    ] {
+        let found = lamps(shape);
+        assert_eq!(found.len(), expected.len(), "{found:?}");
+        for ((area, count, radiance), (expected_area, faces, area_of_lamp)) in found.into_iter().zip(expected) {
+            assert!((area - expected_area).abs() < 1e-9 && count == faces, "{shape}: {area} {count}");
+            assert!((radiance * PI * area_of_lamp - 8.0).abs() < 1e-9, "{shape}: {radiance}");
+        }
+    }
+    let many: String =
+        (0..4097).map(|number| format!("0 0 {number} 1 0 {number} 0 {} {number} ", 1 + number)).collect();
+    let indices: String = (0..3 * 4097).map(|corner| format!("{corner} ")).collect();
+    let text = format!(
+        "{VIEW}AreaLightSource \"diffuse\" \"float power\" 8 Shape \"trianglemesh\" \"point3 P\" [{many}] \"integer indices\" [{indices}]"
+    );
+    let refused = error(&[("a.pbrt", text.as_bytes())]);
+    assert!(
+        refused.contains("a.pbrt:4:43: Shape trianglemesh: expected at most 4096 faces of different areas"),
+        "{refused}"
+    );
 }
 
 /// The illuminants of pbrt have a luminance of 1 and the colours that the observer sees of their spectra.

@@ -284,6 +284,112 @@ fn images_of_different_sizes_are_told() {
     assert!(refused.contains("Texture scale: expected one wrap of all its images"), "{refused}");
 }
 
+/// Squares may be of images: each texel of an image stands where its own texture coordinates are, in squares of one parity.
+#[test]
+fn squares_may_have_textures() {
+    let pattern = |more: &str, lossless: bool| {
+        let files = files(&format!("{} {more}", T.replace("\"t\"", "\"s\"")));
+        (load(&files.path().join("a.pbrt"), lossless).unwrap_or_else(|error| panic!("{error}")), files)
+    };
+    let checkerboard = |more: &str| format!("Texture \"t\" \"spectrum\" \"checkerboard\" {more}");
+    let inner = "\"texture tex1\" \"s\" \"rgb tex2\" [0.25 0.5 0.75]";
+    for (scale, shift, times, size) in [
+        (1.0, 0.0, 2, (42, 36)),
+        (1.0, 0.25, 2, (42, 36)),
+        (2.0, 0.0, 1, (33, 34)),
+        (3.0, 0.25, 2, (102, 100)),
+        (0.5, 0.0, 4, (36, 40)),
+    ] {
+        let text = format!("\"float uscale\" {scale} \"float vscale\" {scale} \"float udelta\" {shift}");
+        let (scene, _files) = pattern(&checkerboard(&format!("{inner} {text}")), false);
+        let texture = textures(&scene).0;
+        let bitmap = texture.bitmap(&scene.bitmaps).expect("it is loaded");
+        assert_eq!((bitmap.width, bitmap.height), size, "{scale}");
+        // The image shows the inner one so many times, which the mesh shows once.
+        let uvs = scene.meshes.values().next().expect("it is a mesh").uvs.clone();
+        assert_eq!(uvs.iter().fold(0.0_f32, |most, uv| most.max(uv.x)), 1.0 / times as f32);
+        let (found, mut seen) = (values(texture, &scene), [0, 0]);
+        for (index, found) in found.into_iter().enumerate() {
+            let (x, y) = (index % size.0 as usize, index / size.0 as usize);
+            let at = |cell: usize, size: u32| f64::from(times) * (cell as f64 + 0.5) / f64::from(size);
+            let (u, v) = (at(x, size.0), f64::from(times) - at(y, size.1));
+            let [across, along] = [scale * u + shift, scale * v];
+            let near_edge = |x: f64, size: u32| (x - x.round()).abs() < scale * f64::from(times) / f64::from(size);
+            let own = [3.0 * u.fract() - 0.5, 2.0 * (1.0 - v.fract()) - 0.5];
+            let is_own_texel = own.iter().all(|own| (own - own.round()).abs() < 1e-9);
+            if near_edge(across, size.0) || near_edge(along, size.1) {
+                continue;
+            }
+            let is_even = (across.floor() + along.floor()) % 2.0 == 0.0;
+            let expected = match is_even {
+                true if !is_own_texel => continue,
+                true => srgb(own[0].round() as usize + 3 * own[1].round() as usize),
+                false => Colour::new(0.25, 0.5, 0.75),
+            };
+            seen[usize::from(is_even)] += 1;
+            assert!((found - expected).abs().max_element() < 1e-6, "{scale}: {x} {y}: {found} {expected}");
+        }
+        assert!(seen[0] > 100 && seen[1] >= 2, "{scale}: {seen:?}");
+        let warnings = scene.warnings();
+        assert!(
+            matches!(&warnings[..], [told] if told.contains("Texture checkerboard: the edges of its squares are a texel wide here")),
+            "{warnings:?}"
+        );
+    }
+    // Squares of one size stay squares, as exact as they are.
+    let squares = "Texture \"k\" \"spectrum\" \"checkerboard\" \"float uscale\" 4 \"float vscale\" 4";
+    let both = format!(
+        "{squares} {}",
+        checkerboard("\"float uscale\" 4 \"float vscale\" 4 \"texture tex1\" \"k\" \"rgb tex2\" [.5 .5 .5]")
+    );
+    let (scene, _files) = pattern(&both, true);
+    let half = Colour::splat(0.5);
+    assert_eq!(*textures(&scene).0, Texture::Checker { scale: 0.5, even: Colour::ONE, odd: half, uv: true });
+    let mixed = format!(
+        "{squares} Texture \"t\" \"spectrum\" \"mix\" \"texture tex1\" \"k\" \"rgb tex2\" [0 0 0] \"float amount\" 0.5"
+    );
+    let (scene, _files) = pattern(&mixed, true);
+    assert_eq!(*textures(&scene).0, Texture::Checker { scale: 0.5, even: half, odd: Colour::ZERO, uv: true });
+    // Those of different sizes are an image: 4 by 4 small ones in each even large one.
+    let nested = format!("{squares} {}", checkerboard("\"texture tex1\" \"k\" \"rgb tex2\" [.5 .5 .5]"));
+    let (scene, _files) = pattern(&nested, false);
+    let found = values(textures(&scene).0, &scene);
+    let side = (found.len() as f64).sqrt() as usize;
+    let at = |u: f64, v: f64| {
+        let value = found[(u * side as f64) as usize + side * ((1.0 - v) * side as f64) as usize].x;
+        // But for rounding errors.
+        (1e6 * value).round() / 1e6
+    };
+    let rows = [0.06, 0.19, 0.31, 0.44, 0.75].map(|u| [at(u, 0.06), at(u, 0.19), at(u, 0.7)]);
+    assert_eq!(rows, [[1.0, 0.0, 0.5], [0.0, 1.0, 0.5], [1.0, 0.0, 0.5], [0.0, 1.0, 0.5], [0.5, 0.5, 0.0]]);
+    // A mix of images of different mappings has the texels of the finer one, which it shows twice.
+    let mixed = format!(
+        "{} \"float uscale\" 2 {GREYS} Texture \"t\" \"spectrum\" \"mix\" \"texture tex1\" \"s\" \"rgb tex2\" [1 1 1] \"texture amount\" \"g\"",
+        T.replace("\"t\"", "\"s\"")
+    );
+    let scene = load(&files(&mixed).path().join("a.pbrt"), false).unwrap_or_else(|error| panic!("{error}"));
+    let found = values(textures(&scene).0, &scene);
+    for (index, own, amount) in
+        [(1, 1, share(0) + 0.25 * (share(1) - share(0))), (10, 4, share(5) - 0.25 * (share(5) - share(4)))]
+    {
+        let expected = srgb(own).lerp(Colour::ONE, amount);
+        assert!(
+            found.len() == 12 && (found[index] - expected).abs().max_element() < 1e-6,
+            "{index}: {found:?} {expected}"
+        );
+    }
+    let ends = mixed.replace("\"colours.png\"", "\"colours.png\" \"string wrap\" \"clamp\"");
+    let ends = ends.replace("\"greys.png\"", "\"greys.png\" \"string wrap\" \"clamp\"");
+    let refused = load(&files(&ends).path().join("a.pbrt"), false).expect_err("it ends").to_string();
+    assert!(refused.contains("Texture mix: expected one wrap of all its images: repeat, if"), "{refused}");
+    let clamped = format!("{} \"string wrap\" \"clamp\" {}", T.replace("\"t\"", "\"s\""), checkerboard(inner));
+    let refused = load(&files(&clamped).path().join("a.pbrt"), false).expect_err("it ends").to_string();
+    assert!(refused.contains("Texture checkerboard: expected one wrap of all its images: repeat, if"), "{refused}");
+    let fine = format!("{} {}", T.replace("\"t\"", "\"s\""), checkerboard(&format!("{inner} \"float uscale\" 1e8")));
+    let refused = load(&files(&fine).path().join("a.pbrt"), false).expect_err("it is too fine").to_string();
+    assert!(refused.contains("which is more than a device can hold"), "{refused}");
+}
+
 /// Random edits of textures: each scene is read or refused, without a panic.
 #[test]
 fn mutants_of_textures_do_not_panic() {

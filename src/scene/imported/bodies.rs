@@ -1,20 +1,7 @@
 //! Lamps and media inside of other bodies, by boxes around both: there other renderers differ.
 
-use glam::DVec3;
-
-use super::{Imported, Place};
+use super::{Body, Imported};
 use crate::shape::Aabb;
-
-/// A shape, and a box around it.
-pub struct Body {
-    pub at: Place,
-    /// The name in messages.
-    pub title: String,
-    pub around: Aabb,
-    pub is_glass: bool,
-    pub emits: bool,
-    pub has_medium: bool,
-}
 
 fn holds(outer: &Aabb, inner: &Aabb) -> bool {
     outer.min.cmple(inner.min).all() && outer.max.cmpge(inner.max).all()
@@ -24,7 +11,8 @@ fn holds(outer: &Aabb, inner: &Aabb) -> bool {
 const MOST_PAIRS: usize = 100_000_000;
 
 /// Tells what may be inside of something else, also the place of a camera that names no medium.
-pub fn tell(bodies: &[Body], camera: Option<(Place, String, DVec3)>, renderer: &str, made: &mut Imported) {
+pub fn tell(renderer: &str, made: &mut Imported) {
+    let bodies = std::mem::take(&mut made.bodies);
     let those = |fits: fn(&Body) -> bool| bodies.iter().filter(|body| fits(body)).collect::<Vec<&Body>>();
     let (glass, lamps, media) = (those(|body| body.is_glass), those(|body| body.emits), those(|body| body.has_medium));
     let mut tell = |inner: &[&Body], outer: &[&Body], message: String| {
@@ -42,7 +30,7 @@ pub fn tell(bodies: &[Body], camera: Option<(Place, String, DVec3)>, renderer: &
     );
     tell(&media, &media, of_media);
     let seen = |at| media.iter().any(|body| holds(&body.around, &Aabb { min: at, max: at }));
-    if let Some((place, title, _)) = camera.filter(|(.., at)| seen(*at)) {
+    if let Some((place, title, _)) = made.outside.take().filter(|(.., at)| seen(*at)) {
         let message = format!(
             "it seems to be inside of a medium that it does not name, and which {renderer} therefore leaves out"
         );

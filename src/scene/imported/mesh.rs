@@ -4,74 +4,72 @@ use std::f64::consts::TAU;
 
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 
+use crate::scene::draft::{Draft, MOST_BYTES};
 use crate::shape::mesh::Mesh;
 
 /// The edges around a sphere, a disk or a cylinder, and half of them from pole to pole.
 pub const AROUND: u32 = 128;
 
-/// A mesh of vertices with normals and texture coordinates, v downwards as Mitsuba has it.
-#[derive(Default)]
-struct Builder(Mesh);
+/// Adds a vertex with a normal and texture coordinates, v downwards as Mitsuba has it.
+fn vertex(mesh: &mut Mesh, position: DVec3, normal: DVec3, u: f64, v: f64) -> u32 {
+    mesh.positions.push(position);
+    mesh.normals.push(normal.as_vec3());
+    mesh.uvs.push(Vec2::new(u as f32, 1.0 - v as f32));
+    mesh.positions.len() as u32 - 1
+}
 
-impl Builder {
-    fn vertex(&mut self, position: DVec3, normal: DVec3, u: f64, v: f64) -> u32 {
-        self.0.positions.push(position);
-        self.0.normals.push(normal.as_vec3());
-        self.0.uvs.push(Vec2::new(u as f32, 1.0 - v as f32));
-        self.0.positions.len() as u32 - 1
-    }
-
-    fn quad(&mut self, [a, b, c, d]: [u32; 4]) {
-        for triangle in [[a, b, c], [a, c, d]] {
-            let spans = |i: u32, j: u32| self.0.positions.get(i as usize) != self.0.positions.get(j as usize);
-            let [i, j, k] = triangle;
-            if spans(i, j) && spans(j, k) && spans(k, i) {
-                self.0.faces.push(self.0.triangles.len() as u32);
-                self.0.triangles.push(triangle);
-            }
-        }
-    }
-
-    /// The square from -1 to 1 in the plane of x and y, with u along x, or along y.
-    fn square(&mut self, u_is_y: bool, place: &dyn Fn(DVec3) -> DVec3) {
-        let normal = place(DVec3::Z) - place(DVec3::ZERO);
-        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-        let corners = corners.map(|(x, y): (f64, f64)| {
-            let (u, v) = if u_is_y { (y, x) } else { (x, y) };
-            self.vertex(place(DVec3::new(x, y, 0.0)), normal, 0.5 + 0.5 * u, 0.5 + 0.5 * v)
-        });
-        self.quad(corners);
-    }
-
-    /// A grid of `AROUND` columns around the z axis, over this share of a turn: `at` gives position and normal for the direction and the row.
-    fn turned(&mut self, rows: u32, turn: f64, at: &dyn Fn(DVec3, f64) -> (DVec3, DVec3)) {
-        for row in 0..=rows {
-            for column in 0..=AROUND {
-                let (u, v) = (f64::from(column) / f64::from(AROUND), f64::from(row) / f64::from(rows));
-                // The last column of a whole turn is where the first is, to the last bit.
-                let (position, normal) = at(around((u * turn) % 1.0), v);
-                self.vertex(position, normal, u, v);
-            }
-        }
-        let number = |row: u32, column: u32| row * (AROUND + 1) + column;
-        for row in 0..rows {
-            for column in 0..AROUND {
-                let low = [number(row + 1, column), number(row + 1, column + 1)];
-                self.quad([number(row, column), low[0], low[1], number(row, column + 1)]);
-            }
+fn quad(mesh: &mut Mesh, [a, b, c, d]: [u32; 4]) {
+    for triangle in [[a, b, c], [a, c, d]] {
+        let spans = |i: u32, j: u32| mesh.positions.get(i as usize) != mesh.positions.get(j as usize);
+        let [i, j, k] = triangle;
+        if spans(i, j) && spans(j, k) && spans(k, i) {
+            mesh.faces.push(mesh.triangles.len() as u32);
+            mesh.triangles.push(triangle);
         }
     }
 }
 
+/// Adds the square from -1 to 1 in the plane of x and y, with u along x, or along y.
+fn square(mesh: &mut Mesh, u_is_y: bool, place: &dyn Fn(DVec3) -> DVec3) {
+    let normal = place(DVec3::Z) - place(DVec3::ZERO);
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    let corners = corners.map(|(x, y): (f64, f64)| {
+        let (u, v) = if u_is_y { (y, x) } else { (x, y) };
+        vertex(mesh, place(DVec3::new(x, y, 0.0)), normal, 0.5 + 0.5 * u, 0.5 + 0.5 * v)
+    });
+    quad(mesh, corners);
+}
+
+/// A grid of `AROUND` columns around the z axis, over this share of a turn: `at` gives position and normal for the direction and the row.
+fn turned(rows: u32, turn: f64, at: &dyn Fn(DVec3, f64) -> (DVec3, DVec3)) -> Mesh {
+    let mut mesh = Mesh::default();
+    for row in 0..=rows {
+        for column in 0..=AROUND {
+            let (u, v) = (f64::from(column) / f64::from(AROUND), f64::from(row) / f64::from(rows));
+            // The last column of a whole turn is where the first is, to the last bit.
+            let (position, normal) = at(around((u * turn) % 1.0), v);
+            vertex(&mut mesh, position, normal, u, v);
+        }
+    }
+    let number = |row: u32, column: u32| row * (AROUND + 1) + column;
+    for row in 0..rows {
+        for column in 0..AROUND {
+            let low = [number(row + 1, column), number(row + 1, column + 1)];
+            quad(&mut mesh, [number(row, column), low[0], low[1], number(row, column + 1)]);
+        }
+    }
+    mesh
+}
+
 pub fn rectangle() -> Mesh {
-    let mut all = Builder::default();
-    all.square(false, &|p| p);
-    all.0
+    let mut mesh = Mesh::default();
+    square(&mut mesh, false, &|p| p);
+    mesh
 }
 
 /// The cube from -1 to 1. Each face shows a whole image, with the axes that Mitsuba gives it.
 pub fn cube() -> Mesh {
-    let mut all = Builder::default();
+    let mut mesh = Mesh::default();
     for (x, y, z) in [
         (DVec3::X, DVec3::Z, DVec3::NEG_Y),
         (DVec3::NEG_Z, DVec3::NEG_X, DVec3::Y),
@@ -80,9 +78,9 @@ pub fn cube() -> Mesh {
         (DVec3::X, DVec3::Y, DVec3::Z),
         (DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z),
     ] {
-        all.square(true, &|p| z + p.x * x + p.y * y + p.z * z);
+        square(&mut mesh, true, &|p| z + p.x * x + p.y * y + p.z * z);
     }
-    all.0
+    mesh
 }
 
 fn around(share: f64) -> DVec3 {
@@ -92,8 +90,7 @@ fn around(share: f64) -> DVec3 {
 
 /// The part of a unit sphere between two shares of the way from the pole at +z to that at -z, over a share of a turn.
 pub fn sphere(from: f64, to: f64, turn: f64) -> Mesh {
-    let mut all = Builder::default();
-    all.turned(AROUND / 2, turn, &|around, v| {
+    turned(AROUND / 2, turn, &|around, v| {
         let (sin, cos) = match from + v * (to - from) {
             0.0 => (0.0, 1.0),
             1.0 => (0.0, -1.0),
@@ -101,22 +98,17 @@ pub fn sphere(from: f64, to: f64, turn: f64) -> Mesh {
         };
         let p = sin * around + cos * DVec3::Z;
         (p, p)
-    });
-    all.0
+    })
 }
 
 /// A disk of radius 1 with a hole, over a share of a turn, which is u. v is 1 on the inner edge and 0 on the outer one.
 pub fn disk(hole: f64, turn: f64) -> Mesh {
-    let mut all = Builder::default();
-    all.turned(1, turn, &|around, v| ((hole + v * (1.0 - hole)) * around, DVec3::Z));
-    all.0
+    turned(1, turn, &|around, v| ((hole + v * (1.0 - hole)) * around, DVec3::Z))
 }
 
 /// The side of a cylinder of radius 1 from z = 0 to 1, over a share of a turn.
 pub fn cylinder(turn: f64) -> Mesh {
-    let mut all = Builder::default();
-    all.turned(1, turn, &|around, v| (around + (1.0 - v) * DVec3::Z, around));
-    all.0
+    turned(1, turn, &|around, v| (around + (1.0 - v) * DVec3::Z, around))
 }
 
 /// A mesh with its transform in its vertices. Normals decide what is outside; without them the order of corners does.
@@ -151,6 +143,17 @@ pub fn to_uv(mesh: &mut Mesh, by: &DAffine3) {
         let seen = by.transform_point3(DVec3::new(f64::from(uv.x), 1.0 - f64::from(uv.y), 0.0));
         *uv = Vec2::new(seen.x as f32, (1.0 - seen.y) as f32);
     }
+}
+
+/// The mesh of those faces of another that are kept.
+pub fn part(mesh: &Mesh, is_kept: impl Fn(u32) -> bool) -> Result<Mesh, String> {
+    let mut draft = Draft::new(MOST_BYTES);
+    draft.positions.clone_from(&mesh.positions);
+    draft.normals.clone_from(&mesh.normals);
+    draft.uvs.clone_from(&mesh.uvs);
+    let triangles = mesh.triangles.iter().enumerate().filter(|(number, _)| is_kept(mesh.face(*number)));
+    triangles.into_iter().try_for_each(|(_, triangle)| draft.face(triangle))?;
+    draft.finish()
 }
 
 /// Gives a mesh without normals those of its faces, each by its angle at the vertex.

@@ -26,6 +26,16 @@ pub fn sphere(by: &DAffine3, material: &Option<String>, textures: Option<bool>) 
     }
 }
 
+/// The disk of a radius around a point that the disk around the z axis becomes, if it stays round.
+pub fn disk(by: &DAffine3, center: DVec3, radius: f64, flips: bool, material: &Option<String>) -> Option<Object> {
+    let (x, y) = (by.matrix3.x_axis, by.matrix3.y_axis);
+    let is_even = (x.length() - y.length()).abs() <= 1e-6 * x.length() && x.dot(y).abs() <= 1e-6 * x.length_squared();
+    let normal = by.matrix3.inverse().transpose().z_axis.normalize_or(DVec3::Z);
+    let normal = if flips { -normal } else { normal };
+    let (radius, material) = (radius * x.length(), material.clone());
+    is_even.then_some(Object::Disk { center: by.transform_point3(center), normal, radius, material })
+}
+
 /// The same shape as the boundary of a medium.
 pub fn without_material(mut object: Object) -> Object {
     let inner = if let Object::Transformed { object, .. } = &mut object { &mut **object } else { &mut object };
@@ -60,20 +70,23 @@ impl Medium {
     }
 }
 
-/// Whether a material is a matt black without holes, which may be a lamp.
-pub fn is_black(material: &Material) -> bool {
-    let black = Texture::grey(0.0);
-    matches!(material, Material::Lambertian(own) if own.albedo == black && own.alpha == Texture::grey(1.0))
+pub fn lambertian(albedo: Texture, one_sided: bool) -> Material {
+    Material::Lambertian(Lambertian { albedo, one_sided, ..Lambertian::default() })
 }
 
-/// The emission of a material, and whether that is of its front alone, if it can have one.
-pub fn emission_of(material: &mut Material) -> Option<(&mut Option<Texture>, &mut bool)> {
-    match material {
-        Material::Lambertian(own) => Some((&mut own.emission, &mut own.one_sided_emission)),
-        Material::Plastic(own) => Some((&mut own.emission, &mut own.one_sided_emission)),
-        Material::Pbr(own) => Some((&mut own.emission, &mut own.one_sided_emission)),
-        _ => None,
-    }
+/// The material that emits light too, if it can. A matt black without holes is a lamp.
+pub fn emitting(mut material: Material, emit: Texture, two_sided: bool) -> Option<Material> {
+    let (emission, one_sided) = match &mut material {
+        Material::Lambertian(own) if own.albedo == Texture::grey(0.0) && own.alpha == Texture::grey(1.0) => {
+            return Some(Material::DiffuseLight(DiffuseLight { emit, two_sided, light_group: None }));
+        }
+        Material::Lambertian(own) => (&mut own.emission, &mut own.one_sided_emission),
+        Material::Plastic(own) => (&mut own.emission, &mut own.one_sided_emission),
+        Material::Pbr(own) => (&mut own.emission, &mut own.one_sided_emission),
+        _ => return None,
+    };
+    (*emission, *one_sided) = (Some(emit), !two_sided);
+    Some(material)
 }
 
 pub fn alpha_of(material: &mut Material) -> Option<&mut Texture> {
@@ -91,6 +104,15 @@ pub fn absorption_of(material: &mut Material) -> Option<&mut Option<Colour>> {
         Material::Dielectric(own) => Some(&mut own.absorption),
         Material::RoughDielectric(own) => Some(&mut own.absorption),
         _ => None,
+    }
+}
+
+/// The part of a mix, if a material can be one. `absent` says what is wrong without one.
+pub fn mixed(material: Option<Material>, absent: &str) -> Result<Material, String> {
+    let material = material.ok_or(absent)?;
+    match material.not_mixed() {
+        Some(reason) => Err(format!("it cannot be mixed here, because it {reason}")),
+        None => Ok(material),
     }
 }
 
@@ -113,6 +135,27 @@ impl Facets {
             anisotropy: if most > least { ((most - least) / (1.0 - least)).sqrt() } else { 0.0 },
             rotation: if v > u { 90.0 } else { 0.0 },
             distribution,
+        }
+    }
+    /// A conductor of these facets, and of the usual index.
+    pub fn conductor(self) -> Conductor {
+        Conductor {
+            roughness: Texture::grey(self.roughness),
+            distribution: self.distribution,
+            anisotropy: self.anisotropy,
+            anisotropy_rotation: self.rotation,
+            ..Conductor::default()
+        }
+    }
+
+    /// A dielectric of these facets, and of the usual index.
+    pub fn dielectric(self) -> RoughDielectric {
+        RoughDielectric {
+            roughness: Texture::grey(self.roughness),
+            distribution: self.distribution,
+            anisotropy: self.anisotropy,
+            anisotropy_rotation: self.rotation,
+            ..RoughDielectric::default()
         }
     }
 }

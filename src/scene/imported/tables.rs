@@ -1,7 +1,12 @@
 //! Tables of measured numbers: .csv files beside this one, of names and their numbers.
 
+use crate::scene::types::Colour;
+
 /// The eta and the k of metals.
-pub const METALS: &str = include_str!("metals.csv");
+const METALS: &str = include_str!("metals.csv");
+
+/// The indices of refraction of dielectrics.
+pub const INDICES: &str = include_str!("indices.csv");
 
 /// The colours of pbrt's illuminants, with a luminance of 1.
 pub const ILLUMINANTS: &str = include_str!("illuminants.csv");
@@ -22,4 +27,10 @@ pub fn rows(table: &'static str) -> impl Iterator<Item = Vec<f64>> {
 /// The numbers of a name.
 pub fn row(table: &'static str, name: &str) -> Option<Vec<f64>> {
     lines(table).find(|(known, _)| *known == name).map(|(_, text)| numbers(text))
+}
+
+/// The eta and the k of a metal.
+pub fn metal(name: &str) -> Option<[Colour; 2]> {
+    let [a, b, c, d, e, f] = row(METALS, name)?[..] else { return None };
+    Some([Colour::new(a, b, c), Colour::new(d, e, f)])
 }

@@ -9,7 +9,7 @@ use super::properties::{Properties, unknown};
 use super::reader::Reader;
 use super::values::colour;
 use crate::bitmap::Channel;
-use crate::error::Result;
+use crate::error::{Result, require};
 use crate::material::LobeWidth;
 use crate::printable::{counted, quote};
 use crate::scene::gltf_path::has_ending;
@@ -22,9 +22,7 @@ const KNOWN: &str = "diffuse, dielectric, roughdielectric, thindielectric, condu
 
 /// A BSDF: nothing if it is `null`.
 pub fn material<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a, '_>) -> Result<Option<Material>> {
-    if reader.depth > DEEPEST {
-        return Err(node.error("expected a bsdf that is not inside itself"));
-    }
+    require(reader.depth <= DEEPEST, || node.error("expected a bsdf that is not inside itself"))?;
     reader.depth += 1;
     let found = of_kind(node, two_sided, reader);
     reader.depth -= 1;
@@ -61,7 +59,7 @@ fn of_kind<'a>(node: &'a Node, two_sided: bool, reader: &mut Reader<'a, '_>) -> 
         "diffuse" => {
             // Scenes before 2 may have either name.
             let name = if own.has("diffuse_reflectance") { "diffuse_reflectance" } else { "reflectance" };
-            Some(lambertian(texture_or(&own, name, 0.5, reader)?, !two_sided))
+            Some(surface::lambertian(texture_or(&own, name, 0.5, reader)?, !two_sided))
         }
         "conductor" | "roughconductor" => Some(conductor(&own, kind == "roughconductor", !two_sided, reader)?),
         "dielectric" | "roughdielectric" | "thindielectric" => Some(dielectric(&own, kind, reader)?),
@@ -97,10 +95,8 @@ fn mix<'a>(own: &Properties<'a>, two_sided: bool, reader: &mut Reader<'a, '_>) -
     let [a, b] = inner(own, reader)?;
     let mut name_of = |part: &'a Node| {
         let found = material(part, two_sided, reader)?;
-        let found = found.ok_or_else(|| part.error("null cannot be mixed here: write a mask"))?;
-        if let Some(what) = found.not_mixed() {
-            return Err(part.error(format!("it cannot be mixed here, because it {what}")));
-        }
+        let found =
+            surface::mixed(found, "null cannot be mixed here: write a mask").map_err(|message| part.error(message))?;
         if found.model().widths.contains(&LobeWidth::Specular) {
             reader.lose(
                 part,
@@ -146,18 +142,11 @@ fn principled<'a>(own: &Properties<'a>, one_sided: bool, reader: &mut Reader<'a,
     }))
 }
 
-pub fn lambertian(albedo: Texture, one_sided: bool) -> Material {
-    Material::Lambertian(Lambertian { albedo, one_sided, ..Lambertian::default() })
-}
-
 /// The BSDFs that another is made of.
 fn inner<'a, const N: usize>(own: &Properties<'a>, reader: &Reader<'a, '_>) -> Result<[&'a Node; N]> {
-    let is_other = |child| reader.target(child).is_ok_and(|target| target.tag != "bsdf");
-    let all = own.take(|child| child.tag == "bsdf" || child.tag == "ref" && !is_other(child));
-    let all = all.into_iter().map(|child| reader.follow(child, "bsdf")).collect::<Result<Vec<_>>>()?;
-    let error =
-        |all: Vec<_>| own.node.error(format!("expected {} in it, found {}", counted(N as u64, "bsdf"), all.len()));
-    all.try_into().map_err(error)
+    let all = own.elements("bsdf", reader)?;
+    let wrong = |all: Vec<_>| format!("expected {} in it, found {}", counted(N as u64, "bsdf"), all.len());
+    all.try_into().map_err(|all| own.node.error(wrong(all)))
 }
 
 fn conductor<'a>(
@@ -169,50 +158,33 @@ fn conductor<'a>(
     let node = own.node;
     let facets = if is_rough { facets(own, reader)? } else { smooth() };
     let tint = texture_or(own, "specular_reflectance", 1.0, reader)?;
-    let name = own.word("material")?;
-    let (eta, k) = (own.colour_or("eta", 0.0)?, own.colour_or("k", 1.0)?);
+    let name = own.word("material")?.filter(|name| *name != "none");
     let outside = own.number_or("ext_eta", 1.0)?;
-    let factor = tint.plain().map_or(1.0, |tint| tint.x);
-    let (albedo, eta, k) = match (name, own.has("eta") || own.has("k")) {
-        (None | Some("none"), false) if !is_rough => {
-            own.number("ext_eta")?;
-            return Ok(Material::Metal(Metal { albedo: tint, fuzz: 0.0, one_sided }));
-        }
-        (None | Some("none"), false) => {
-            if tint != Texture::grey(1.0) {
-                reader.lose(node, "its reflectance rises to 1 at grazing angles here");
-            }
-            (Some(tint), None, None)
-        }
-        (Some(name), true) if name != "none" => return Err(node.error("expected a material, or eta and k")),
-        _ if tint.plain().is_none_or(|tint| tint != Colour::splat(tint.x)) => {
-            let message = "expected one number for the specular_reflectance beside eta and k";
-            return Err(own.find("specular_reflectance").unwrap_or(node).error(message));
-        }
-        (None | Some("none"), _) => (None, Some(eta / outside), Some(k / outside)),
-        (Some(name), _) => {
+    let index = match (name, own.has("eta") || own.has("k")) {
+        (Some(_), true) => return Err(node.error("expected a material, or eta and k")),
+        (Some(name), false) => {
             let unknown = || {
                 let message = format!("the metal {} is not known here: give its eta and k as <rgb>", quote(name));
                 own.find("material").unwrap_or(node).error_at("value", message)
             };
-            let measured = tables::row(tables::METALS, name);
-            let [a, b, c, d, e, f] = measured.unwrap_or_default()[..] else { return Err(unknown()) };
-            let (eta, k) = (Colour::new(a, b, c), Colour::new(d, e, f));
-            (None, Some(eta / outside), Some(k / outside))
+            tables::metal(name).ok_or_else(unknown)?
+        }
+        (None, true) => [own.colour_or("eta", 0.0)?, own.colour_or("k", 1.0)?],
+        (None, false) if !is_rough => return Ok(Material::Metal(Metal { albedo: tint, fuzz: 0.0, one_sided })),
+        (None, false) => {
+            if tint != Texture::grey(1.0) {
+                reader.lose(node, "its reflectance rises to 1 at grazing angles here");
+            }
+            return Ok(Material::Conductor(Conductor { albedo: Some(tint), one_sided, ..facets.conductor() }));
         }
     };
-    Ok(Material::Conductor(Conductor {
-        albedo,
-        one_sided,
-        reflectance: if eta.is_some() { factor } else { 1.0 },
-        eta,
-        k,
-        roughness: Texture::grey(facets.roughness),
-        distribution: facets.distribution,
-        anisotropy: facets.anisotropy,
-        anisotropy_rotation: facets.rotation,
-        ..Conductor::default()
-    }))
+    let [eta, k] = index.map(|own| Some(own / outside));
+    let wrong = || {
+        let message = "expected one number for the specular_reflectance beside eta and k";
+        own.find("specular_reflectance").unwrap_or(node).error(message)
+    };
+    let reflectance = tint.plain().filter(|tint| *tint == Colour::splat(tint.x)).ok_or_else(wrong)?.x;
+    Ok(Material::Conductor(Conductor { one_sided, reflectance, eta, k, ..facets.conductor() }))
 }
 
 fn dielectric<'a>(own: &Properties<'a>, kind: &str, reader: &mut Reader<'a, '_>) -> Result<Material> {
@@ -230,24 +202,15 @@ fn dielectric<'a>(own: &Properties<'a>, kind: &str, reader: &mut Reader<'a, '_>)
         }),
         _ => {
             let facets = facets(own, reader)?;
-            Material::RoughDielectric(RoughDielectric {
-                ior,
-                roughness: Texture::grey(facets.roughness),
-                distribution: facets.distribution,
-                transmittance,
-                anisotropy: facets.anisotropy,
-                anisotropy_rotation: facets.rotation,
-                ..RoughDielectric::default()
-            })
+            Material::RoughDielectric(RoughDielectric { ior, transmittance, ..facets.dielectric() })
         }
     })
 }
 
 fn no_tint(own: &Properties, name: &str) -> Result<()> {
-    match own.colour_or(name, 1.0)? == Colour::ONE {
-        true => Ok(()),
-        false => Err(own.find(name).unwrap_or(own.node).error(format!("expected {name} of 1: others are not read"))),
-    }
+    let is_white = own.colour_or(name, 1.0)? == Colour::ONE;
+    let at = own.find(name).unwrap_or(own.node);
+    require(is_white, || at.error(format!("expected {name} of 1: others are not read")))
 }
 
 /// The index of the inside over that of the outside.
@@ -260,14 +223,12 @@ fn index(own: &Properties, default: &str) -> Result<f64> {
         }
     };
     let ior = of("int_ior", default)? / of("ext_ior", "air")?;
-    match ior > 0.0 && ior.is_finite() {
-        true => Ok(ior),
-        false => Err(own.node.error("expected positive indices of refraction")),
-    }
+    require(ior > 0.0 && ior.is_finite(), || own.node.error("expected positive indices of refraction"))?;
+    Ok(ior)
 }
 
 fn by_name(node: &Node, name: &str) -> Result<f64> {
-    let known = tables::row(include_str!("indices.csv"), &name.to_ascii_lowercase());
+    let known = tables::row(tables::INDICES, &name.to_ascii_lowercase());
     let missing = || node.error_at("value", format!("no index of refraction of {} is known", quote(name)));
     known.and_then(|numbers| numbers.first().copied()).ok_or_else(missing)
 }
@@ -280,16 +241,9 @@ fn smooth() -> Facets {
 fn facets(own: &Properties, reader: &mut Reader) -> Result<Facets> {
     let node = own.node;
     own.ignore(&["sample_visible"]);
-    for name in ["alpha", "alpha_u", "alpha_v"] {
-        if let Some(child) = own.find(name).filter(|child| !["float", "integer"].contains(&child.tag.as_str())) {
-            return Err(child.error("expected one number: a texture of roughness is not read"));
-        }
-    }
     let alpha = own.number_or("alpha", 0.1)?;
     let (u, v) = (own.number_or("alpha_u", alpha)?, own.number_or("alpha_v", alpha)?);
-    if u.min(v) < 0.0 {
-        return Err(node.error(format!("expected an alpha of 0 or more, found {}", u.min(v))));
-    }
+    require(u.min(v) >= 0.0, || node.error(format!("expected an alpha of 0 or more, found {}", u.min(v))))?;
     if u.max(v) > 1.0 {
         reader.lose(node, &format!("its alpha {} counts as 1", u.max(v)));
     }
@@ -310,18 +264,6 @@ fn share<'a>(own: &Properties<'a>, name: &str, default: f64, reader: &mut Reader
     match slot(own, name, default, true, reader)? {
         Texture::Rgb(r, g, b) if r != g || g != b => {
             Err(own.find(name).unwrap_or(own.node).error(format!("expected one number for {name}, found a colour")))
-        }
-        Texture::Image { path, tint, uv_set, wrap, .. } => {
-            let is_raw = own.find(name).and_then(|node| reader.follow(node, "texture").ok()).is_some_and(|node| {
-                node.children
-                    .iter()
-                    .any(|child| child.attribute("name") == Some("raw") && child.attribute("value") == Some("true"))
-            });
-            if !is_raw && !is_linear(&path) {
-                let node = own.find(name).unwrap_or(own.node);
-                reader.lose(node, "its codes count as linear here: write raw as true");
-            }
-            Ok(Texture::Image { path, tint, channel: None, uv_set, wrap })
         }
         other => Ok(other),
     }
@@ -358,10 +300,9 @@ fn texture<'a>(node: &'a Node, is_number: bool, reader: &mut Reader<'a, '_>) -> 
     let scale = DVec3::new(own.number_or("uscale", 1.0)?, own.number_or("vscale", 1.0)?, 1.0);
     let offset = DVec3::new(own.number_or("uoffset", 0.0)?, own.number_or("voffset", 0.0)?, 0.0);
     let to_uv = own.transform("to_uv")? * DAffine3::from_scale(scale) * DAffine3::from_translation(offset);
-    if reader.to_uv.replace(to_uv).is_some_and(|other| !other.abs_diff_eq(to_uv, 1e-9)) {
-        return Err(node.error("expected one to_uv in all textures of a surface, found another"));
-    }
-    if own.kind()? == "checkerboard" {
+    let is_same = reader.to_uv.replace(to_uv).is_none_or(|other| other.abs_diff_eq(to_uv, 1e-9));
+    require(is_same, || node.error("expected one to_uv in all textures of a surface, found another"))?;
+    if own.kind_among(&["bitmap", "checkerboard"])? == "checkerboard" {
         // Theirs has v downwards, ours upwards, so that squares which were equal are not. Mitsuba 3.9.1 gives numbers the other way round.
         let [odd, even] =
             if is_number { [("color1", 0.2), ("color0", 0.4)] } else { [("color0", 0.4), ("color1", 0.2)] };
@@ -369,13 +310,13 @@ fn texture<'a>(node: &'a Node, is_number: bool, reader: &mut Reader<'a, '_>) -> 
         own.end(reader);
         return Ok(Texture::Checker { scale: 0.5, even, odd, uv: true });
     }
-    if own.kind()? != "bitmap" {
-        return Err(unknown(node, "bitmap, checkerboard"));
-    }
     let path = own.word("filename")?.ok_or_else(|| node.error("expected its filename"))?;
     own.ignore(&["accel", "format"]);
     let path = reader.path(path, node);
     let is_raw = own.flag_or("raw", is_linear(&path))?;
+    if is_number && !is_raw && !is_linear(&path) {
+        reader.lose(node, "its codes count as linear here: write raw as true");
+    }
     let channel = (is_raw && !is_linear(&path) && !is_number).then_some(Channel::Rgb);
     if own.word("filter_type")?.is_some_and(|filter| filter == "nearest") {
         reader.lose(node, "its texels are blended here, not the nearest taken");

@@ -7,19 +7,16 @@ use std::sync::Arc;
 
 use roxmltree::{Document, ParsingOptions};
 
-use crate::error::{Error, Location, Result};
+use crate::error::{Error, Result, require};
 use crate::printable::quote;
-use crate::scene::assets::Assets;
-use crate::scene::file::{self, LONGEST_SCENE};
-use crate::scene::imported::{Place, spectrum};
+use crate::scene::imported::files::{self, Includes};
+use crate::scene::imported::{Imported, Place, spectrum};
 
 /// How deep elements may be nested, included files with them.
 pub const DEEPEST: usize = 100;
 
 /// The longest value, in bytes, once names are replaced in it.
 const LONGEST_VALUE: usize = 1 << 16;
-/// The most files that a scene includes.
-const MOST_FILES: usize = 1000;
 
 pub struct Attribute {
     pub name: String,
@@ -62,25 +59,25 @@ impl Node {
 }
 
 /// What reads the files of a scene.
-pub struct Loader<'a> {
+pub struct Loader<'l, 'm> {
     /// The values of names: those of the command line, then those of `default`.
     names: BTreeMap<String, String>,
     used: BTreeSet<String>,
     /// Folders in which files are searched for.
     pub folders: Vec<PathBuf>,
-    /// The included files.
-    pub files: Vec<PathBuf>,
-    open: Vec<PathBuf>,
-    /// What is told of included files.
-    pub notes: Vec<String>,
-    assets: &'a mut Assets,
+    includes: Includes,
+    made: &'l mut Imported<'m>,
 }
 
-impl<'a> Loader<'a> {
-    pub fn new(defines: &[(String, String)], assets: &'a mut Assets) -> Loader<'a> {
-        let names = defines.iter().cloned().collect();
-        let (used, folders, files) = (BTreeSet::new(), Vec::new(), Vec::new());
-        Loader { names, used, folders, files, open: Vec::new(), notes: Vec::new(), assets }
+impl<'l, 'm> Loader<'l, 'm> {
+    pub fn new(path: &Path, defines: &[(String, String)], made: &'l mut Imported<'m>) -> Loader<'l, 'm> {
+        Loader {
+            names: defines.iter().cloned().collect(),
+            used: BTreeSet::new(),
+            folders: vec![path.parent().unwrap_or(Path::new("")).to_owned()],
+            includes: Includes::new(path),
+            made,
+        }
     }
 
     /// The first of the names of the command line that the scene does not use.
@@ -90,50 +87,29 @@ impl<'a> Loader<'a> {
 
     /// The root element of a file. `old`: whether names are of Mitsuba before 2, unless the file says its version.
     pub fn load(&mut self, path: &Path, depth: usize, old: bool) -> Result<Node> {
-        let whole = |message: String| {
-            let location = Location { file: path.to_owned(), line: 0, column: 0 };
-            Error::Scene { location, field: "scene".to_owned(), message }
-        };
-        self.assets.stamp_files(path);
-        let bytes = file::read(path, "scene file", LONGEST_SCENE).map_err(whole)?;
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let before = error.as_bytes().get(..error.utf8_error().valid_up_to()).unwrap_or_default();
-            let lines = before.iter().filter(|byte| **byte == b'\n').count();
-            let location = Location { file: path.to_owned(), line: lines + 1, column: 1 };
-            Error::Scene { location, field: "scene".to_owned(), message: "expected UTF-8 text in this line".to_owned() }
-        })?;
+        let text = files::text(path, self.made.assets)?;
         let options = ParsingOptions { allow_dtd: false, ..ParsingOptions::default() };
         let document = Document::parse_with_options(&text, options).map_err(|error| {
-            let (at, known) = (error.pos(), error.to_string());
-            let location = Location { file: path.to_owned(), line: at.row as usize, column: at.col as usize };
-            let message = match error {
-                roxmltree::Error::DtdDetected => "a DTD is not read: remove <!DOCTYPE ..>".to_owned(),
-                _ => format!("expected XML: {known}"),
-            };
-            Error::Scene { location, field: "XML".to_owned(), message }
+            let at = Place { file: path.into(), line: error.pos().row, column: error.pos().col };
+            match error {
+                roxmltree::Error::DtdDetected => at.error("XML", "a DTD is not read: remove <!DOCTYPE ..>"),
+                _ => at.error("XML", format!("expected XML: {error}")),
+            }
         })?;
-        let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
-        let lines = std::iter::once(0).chain(ends.map(|(at, _)| at + 1)).collect();
-        let text = Text { path: path.into(), text: &text, lines, last: Cell::new((0, 1)) };
-        self.open.push(std::fs::canonicalize(path).unwrap_or(path.to_owned()));
+        let text = Text { path: path.into(), text: &text, last: Cell::new((0, 1, 1)) };
         let root = document.root_element();
         let at = text.place(root.range().start);
-        let error = |message: String| Error::Scene { location: at.location(), field: "scene".to_owned(), message };
-        let is_scene = root.tag_name().name() == "scene";
-        if depth == 0 && !is_scene {
-            return Err(error("expected the element scene at the top of the file".to_owned()));
-        }
+        let is_scene = depth > 0 || root.tag_name().name() == "scene";
+        require(is_scene, || at.error("scene", "expected the element scene at the top of the file"))?;
         let old = match root.attribute("version").map(|version| (version, version.split('.').next())) {
-            None if depth == 0 => return Err(error("expected the attribute version".to_owned())),
+            None if depth == 0 => return Err(at.error("scene", "expected the attribute version")),
             None => old,
             Some((version, major)) => match major.and_then(|word| word.parse::<u32>().ok()) {
                 Some(major @ 0..=3) => major < 2,
-                _ => return Err(error(format!("expected a version from 0 to 3, found {}", quote(version)))),
+                _ => return Err(at.error("scene", format!("expected a version from 0 to 3, found {}", quote(version)))),
             },
         };
-        let node = self.node(root, &text, depth, old)?;
-        self.open.pop();
-        Ok(node)
+        self.node(root, &text, depth, old)
     }
 
     fn node(&mut self, element: roxmltree::Node, text: &Text, depth: usize, old: bool) -> Result<Node> {
@@ -142,20 +118,22 @@ impl<'a> Loader<'a> {
             Node { tag: element.tag_name().name().to_owned(), attributes: Vec::new(), children: Vec::new(), at };
         for attribute in element.attributes() {
             let (name, at) = (attribute.name().to_owned(), text.place(attribute.range().start));
-            let value = self.replaced(attribute.value());
+            let wrong = |reason: String| at.error(&format!("{}.{name}", node.title()), reason);
+            let value = self.replaced(attribute.value()).map_err(wrong)?;
             let is_name = name == "name" && node.tag != "default";
-            node.attributes.push(Attribute { name: name.clone(), value: String::new(), at });
-            let value = value.map_err(|reason| node.error_at(&name, reason))?;
             let value = if old && is_name { snake_case(&value) } else { value };
-            node.attributes.iter_mut().filter(|own| own.name == name).for_each(|own| own.value = value.clone());
+            node.attributes.push(Attribute { name, value, at });
         }
+        let file = match node.tag == "path" || node.attribute("name") == Some("filename") {
+            true => node.attribute("value"),
+            false => node.attribute("filename"),
+        };
+        self.made.notes.extend(file.and_then(|file| outside(file, &node)));
         if node.tag == "spectrum" && node.attribute("filename").is_some() {
             let pairs = self.spectrum(&node)?;
             node.attributes.push(Attribute { name: "value".to_owned(), value: pairs, at: node.at.clone() });
         }
-        if depth > DEEPEST {
-            return Err(node.error(format!("expected at most {DEEPEST} elements within each other")));
-        }
+        require(depth <= DEEPEST, || node.error(format!("expected at most {DEEPEST} elements within each other")))?;
         node.tag = match node.tag.as_str() {
             "lookAt" => "lookat".to_owned(),
             "color" => "rgb".to_owned(),
@@ -174,10 +152,8 @@ impl<'a> Loader<'a> {
                 "path" => {
                     let name = child.required("value")?;
                     let folder = child.at.folder().join(name);
-                    self.notes.extend(outside(name, &child));
-                    if !folder.is_dir() {
-                        return Err(child.error_at("value", format!("there is no folder {}", folder.display())));
-                    }
+                    let missing = || child.error_at("value", format!("there is no folder {}", folder.display()));
+                    require(folder.is_dir(), missing)?;
                     self.folders.insert(0, folder);
                 }
                 "include" => self.include(&child, &mut node, depth, old)?,
@@ -190,18 +166,12 @@ impl<'a> Loader<'a> {
     fn include(&mut self, include: &Node, into: &mut Node, depth: usize, old: bool) -> Result<()> {
         let name = include.required("filename")?;
         let path = resolve(name, include, &self.folders);
-        self.notes.extend(outside(name, include));
-        let real = std::fs::canonicalize(&path)
-            .map_err(|error| include.error_at("filename", format!("cannot read {}: {error}", path.display())))?;
-        if self.open.contains(&real) {
-            let message = format!("{} includes itself: expected no circle", path.display());
-            return Err(include.error_at("filename", message));
-        }
-        if self.files.len() >= MOST_FILES {
-            return Err(include.error(format!("expected at most {MOST_FILES} included files")));
-        }
-        self.files.push(path.clone());
-        let root = self.load(&path, depth + 1, old)?;
+        let wrong = |message: String| include.error_at("filename", message);
+        self.includes.open(&path).map_err(wrong)?;
+        self.made.files.push(path.clone());
+        let unread = |message: String| wrong(format!("{}: {message}", path.display()));
+        let root = self.load(&path, depth + 1, old).map_err(|error| files::where_included(error, unread))?;
+        self.includes.close();
         match root.tag.as_str() {
             "scene" => into.children.extend(root.children),
             _ => into.children.push(root),
@@ -213,11 +183,10 @@ impl<'a> Loader<'a> {
     fn spectrum(&mut self, node: &Node) -> Result<String> {
         let name = node.required("filename")?;
         let path = resolve(name, node, &self.folders);
-        self.notes.extend(outside(name, node));
-        self.assets.stamp_files(&path);
+        self.made.assets.stamp_files(&path);
         let broken = |reason: String| node.error_at("filename", format!("{}: {reason}", path.display()));
         let pairs = spectrum::pairs_of_file(&path).map_err(broken)?;
-        self.files.push(path.clone());
+        self.made.files.push(path.clone());
         Ok(pairs.iter().map(|(wavelength, value)| format!("{wavelength}:{value}")).collect::<Vec<_>>().join(" "))
     }
 
@@ -227,20 +196,19 @@ impl<'a> Loader<'a> {
         let mut rest = value;
         while let Some((before, after)) = rest.split_once('$') {
             out.push_str(before);
-            if out.len() > LONGEST_VALUE {
-                return Err(format!("expected values of names of at most {LONGEST_VALUE} bytes"));
-            }
-            let known = self.names.keys().filter(|name| after.starts_with(name.as_str())).max_by_key(|name| name.len());
-            let Some(name) = known.cloned() else {
+            let wrong = || format!("expected values of names of at most {LONGEST_VALUE} bytes");
+            require(out.len() <= LONGEST_VALUE, wrong)?;
+            let known = self.names.iter().filter(|(name, _)| after.starts_with(name.as_str()));
+            let Some((name, value)) = known.max_by_key(|(name, _)| name.len()) else {
                 let end = after.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(after.len());
                 let name = after.get(..end).unwrap_or(after);
                 return Err(format!(
                     "${name} has no value: give one by -D {name}=VALUE or <default name=\"{name}\" ..>"
                 ));
             };
-            out.push_str(self.names.get(&name).map_or("", String::as_str));
+            out.push_str(value);
             rest = after.get(name.len()..).unwrap_or("");
-            self.used.insert(name);
+            self.used.insert(name.clone());
         }
         out.push_str(rest);
         Ok(out)
@@ -257,7 +225,7 @@ pub fn resolve(name: &str, node: &Node, folders: &[PathBuf]) -> PathBuf {
 }
 
 /// What is told of a path that may lead out of the folder of its file.
-pub fn outside(name: &str, node: &Node) -> Option<String> {
+fn outside(name: &str, node: &Node) -> Option<String> {
     let leads_out = Path::new(name).components().any(|part| !matches!(part, Component::Normal(_) | Component::CurDir));
     leads_out.then(|| node.error(format!("it is outside of the scene's folder: {name}")).to_string())
 }
@@ -279,19 +247,18 @@ fn snake_case(name: &str) -> String {
 struct Text<'a> {
     path: Arc<Path>,
     text: &'a str,
-    lines: Vec<usize>,
-    /// The last place, and its column: a line may be long.
-    last: Cell<(usize, usize)>,
+    /// The latest offset, its line and its column: most that are asked for are behind it.
+    last: Cell<(usize, u32, u32)>,
 }
 
 impl Text<'_> {
     fn place(&self, offset: usize) -> Place {
-        let line = self.lines.partition_point(|start| *start <= offset);
-        let start = line.checked_sub(1).and_then(|before| self.lines.get(before)).copied().unwrap_or(0);
-        let (known, column) =
-            Some(self.last.get()).filter(|last| (start..=offset).contains(&last.0)).unwrap_or((start, 1));
-        let column = column + self.text.get(known..offset).unwrap_or("").chars().count();
-        self.last.set((offset, column));
-        Place { file: Arc::clone(&self.path), line: line as u32, column: column as u32 }
+        let last = Some(self.last.get()).filter(|(known, ..)| *known <= offset);
+        let (known, mut line, mut column) = last.unwrap_or((0, 1, 1));
+        for c in self.text.get(known..offset).unwrap_or("").chars() {
+            (line, column) = if c == '\n' { (line + 1, 1) } else { (line, column + 1) };
+        }
+        self.last.set((offset, line, column));
+        Place { file: Arc::clone(&self.path), line, column }
     }
 }

@@ -5,7 +5,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::document::Node;
 use super::properties::{Properties, unknown};
 use super::reader::Reader;
-use crate::error::Result;
+use crate::error::{Result, require};
 use crate::printable::quote;
 use crate::scene::imported::surface::Medium;
 use crate::scene::imported::transform::turns;
@@ -15,18 +15,30 @@ use crate::scene::types::{Background, Colour, Falloff, Object, SkyLayout};
 /// Half a turn around y: their skies have +z in the middle, ours -z.
 const HALF_TURN: DMat3 = DMat3::from_cols(DVec3::NEG_X, DVec3::Y, DVec3::NEG_Z);
 
-pub enum Emitter {
-    Object(Object),
-    Background(Background),
-}
-
-pub fn emitter(node: &Node, reader: &mut Reader) -> Result<Emitter> {
+/// Adds a light, or sets the one around the scene.
+pub fn emitter(node: &Node, reader: &mut Reader) -> Result<()> {
     let own = Properties::of(node);
     let kind = own.kind()?;
-    let to_world = own.transform("to_world")?;
     own.ignore(&["sampling_weight"]);
-    let found = match kind {
-        "constant" => Emitter::Background(Background::Solid(own.colour_or("radiance", 1.0)?)),
+    match kind {
+        "constant" | "envmap" | "sky" | "sunsky" => {
+            let found = background(kind, &own, reader)?;
+            reader.made.set_background(found, &node.title(), &node.at)?;
+        }
+        _ => {
+            let found = light(kind, &own)?;
+            reader.made.add_object(found, &node.at);
+        }
+    }
+    own.end(reader);
+    Ok(())
+}
+
+fn background(kind: &str, own: &Properties, reader: &mut Reader) -> Result<Background> {
+    let node = own.node;
+    let to_world = own.transform("to_world")?;
+    Ok(match kind {
+        "constant" => Background::Solid(own.colour_or("radiance", 1.0)?),
         "envmap" => {
             let path = own.word("filename")?.ok_or_else(|| node.error("expected its filename"))?;
             own.ignore(&["mis_compensation"]);
@@ -34,58 +46,44 @@ pub fn emitter(node: &Node, reader: &mut Reader) -> Result<Emitter> {
             let by = turns(&(to_world * DAffine3::from_mat3(HALF_TURN)));
             let by = by.ok_or_else(|| node.error("expected a to_world that turns the sky alone, without a scale"))?;
             let (path, layout) = (reader.path(path, node), SkyLayout::LatitudeLongitude);
-            Emitter::Background(Background::Image { path, tint, by, layout })
+            Background::Image { path, tint, by, layout }
         }
-        "sky" | "sunsky" => {
+        _ => {
             own.take(|_| true);
             reader.lose(node, "it becomes a white and blue sky, without a sun: its radiance is another");
-            Emitter::Background(SKY)
+            SKY
         }
+    })
+}
+
+fn light(kind: &str, own: &Properties) -> Result<Object> {
+    let (node, to_world) = (own.node, own.transform("to_world")?);
+    Ok(match kind {
         "point" => {
             let at = own.vector("position")?.unwrap_or(to_world.translation);
-            Emitter::Object(Object::PointLight { at, intensity: own.colour_or("intensity", 1.0)?, light_group: None })
+            Object::PointLight { at, intensity: own.colour_or("intensity", 1.0)?, light_group: None }
         }
         "directional" => {
             let direction = own.vector("direction")?.unwrap_or(to_world.matrix3.z_axis);
-            Emitter::Object(Object::DirectionalLight {
-                direction,
-                irradiance: own.colour_or("irradiance", 1.0)?,
-                light_group: None,
-            })
+            Object::DirectionalLight { direction, irradiance: own.colour_or("irradiance", 1.0)?, light_group: None }
         }
         "spot" => {
-            if own.find("texture").is_some() {
-                return Err(node.error("a texture of a spot is not read"));
-            }
+            require(own.find("texture").is_none(), || node.error("a texture of a spot is not read"))?;
             let outer = own.number_or("cutoff_angle", 20.0)?;
             let inner = own.number_or("beam_width", 0.75 * outer)?;
             let (at, forward) = (to_world.translation, to_world.matrix3.z_axis.normalize_or_zero());
-            if forward == DVec3::ZERO {
-                return Err(node.error("expected a to_world with a direction"));
-            }
+            require(forward != DVec3::ZERO, || node.error("expected a to_world with a direction"))?;
             let (towards, intensity) = (at + forward, own.colour_or("intensity", 1.0)?);
-            Emitter::Object(Object::SpotLight {
-                at,
-                towards,
-                intensity,
-                inner,
-                outer,
-                falloff: Falloff::Linear,
-                light_group: None,
-            })
+            let falloff = Falloff::Linear;
+            Object::SpotLight { at, towards, intensity, inner, outer, falloff, light_group: None }
         }
-        "area" => return Err(node.error("expected an area emitter inside a shape")),
         _ => return Err(unknown(node, "area, point, spot, directional, constant, envmap, sky, sunsky")),
-    };
-    own.end(reader);
-    Ok(found)
+    })
 }
 
 pub fn medium(node: &Node, reader: &mut Reader) -> Result<Medium> {
     let own = Properties::of(node);
-    if own.kind()? != "homogeneous" {
-        return Err(unknown(node, "homogeneous"));
-    }
+    own.kind_among(&["homogeneous"])?;
     own.ignore(&["has_spectral_extinction", "sample_emitters"]);
     // Scenes before 2 may have absorption and scattering in place of their sum.
     let (absorption, scattering) = (own.colour_or("sigma_a", 0.0)?, own.colour_or("sigma_s", 0.0)?);

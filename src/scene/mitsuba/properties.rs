@@ -9,7 +9,7 @@ use super::document::Node;
 use super::reader::Reader;
 use super::transform;
 use super::values::{colour, number, vector};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use crate::printable::quote;
 use crate::scene::types::Colour;
 
@@ -29,6 +29,13 @@ impl<'a> Properties<'a> {
         self.node.required("type")
     }
 
+    /// The type of the plugin, which is one of these.
+    pub fn kind_among(&self, known: &[&str]) -> Result<&'a str> {
+        let kind = self.kind()?;
+        require(known.contains(&kind), || unknown(self.node, &known.join(", ")))?;
+        Ok(kind)
+    }
+
     /// The children that fit, which now count as used.
     pub fn take(&self, fits: impl Fn(&'a Node) -> bool) -> Vec<&'a Node> {
         let mut used = self.used.borrow_mut();
@@ -41,9 +48,11 @@ impl<'a> Properties<'a> {
     }
 
     /// The elements of a tag in it, or that it refers to.
-    pub fn elements(&self, tag: &str, reader: &Reader<'a, '_>) -> Vec<&'a Node> {
+    pub fn elements(&self, tag: &str, reader: &Reader<'a, '_>) -> Result<Vec<&'a Node>> {
+        let children = self.node.children.iter();
+        children.filter(|child| child.tag == "ref").try_for_each(|child| reader.target(child).map(drop))?;
         let found = |child: &'a Node| reader.follow(child, tag).ok();
-        self.take(|child| found(child).is_some()).into_iter().filter_map(found).collect()
+        Ok(self.take(|child| found(child).is_some()).into_iter().filter_map(found).collect())
     }
 
     pub fn find(&self, name: &str) -> Option<&'a Node> {

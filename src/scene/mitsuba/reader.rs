@@ -2,16 +2,13 @@
 
 use std::collections::HashMap;
 use std::path::PathBuf;
-use std::sync::Arc;
 
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 
 use super::document::{Node, resolve};
-use crate::error::Result;
+use crate::error::{Result, require};
 use crate::scene::imported::Imported;
-use crate::scene::imported::bodies::Body;
 use crate::scene::types::{Material, Object};
-use crate::shape::mesh::Mesh;
 
 /// What has been made of the elements so far.
 pub struct Reader<'a, 'm> {
@@ -28,12 +25,6 @@ pub struct Reader<'a, 'm> {
     pub to_uv: Option<DAffine3>,
     /// The objects of shapes of groups, by the element and its transform: instances have the same.
     pub grouped: HashMap<(*const Node, [u64; 12]), Vec<Object>>,
-    /// The shapes that may be inside of others, or around them.
-    pub bodies: Vec<Body>,
-    /// A sensor that names no medium, and where it is.
-    pub outside: Option<(&'a Node, DVec3)>,
-    /// The meshes of files as they are.
-    pub of_files: HashMap<PathBuf, Arc<Mesh>>,
     /// How many BSDFs are being read, each inside the one before.
     pub depth: usize,
 }
@@ -63,10 +54,8 @@ impl<'a> Reader<'a, '_> {
     /// The same, which must be of this tag.
     pub fn follow(&self, node: &'a Node, tag: &str) -> Result<&'a Node> {
         let found = self.target(node)?;
-        match found.tag == tag {
-            true => Ok(found),
-            false => Err(node.error(format!("expected a {tag}, found {}", found.title()))),
-        }
+        require(found.tag == tag, || node.error(format!("expected a {tag}, found {}", found.title())))?;
+        Ok(found)
     }
 
     /// The path of a file as the scene names it.

@@ -3,7 +3,7 @@
 use super::document::Node;
 use super::properties::{Properties, unknown};
 use super::reader::Reader;
-use crate::error::Result;
+use crate::error::{Result, require};
 use crate::printable::quote;
 use crate::scene::types::{Camera, ImageSize, Projection};
 
@@ -29,17 +29,14 @@ pub fn sensor<'a>(node: &'a Node, reader: &mut Reader<'a, '_>) -> Result<(Camera
     for clip in ["near_clip", "far_clip"].into_iter().filter_map(|name| own.find(name)) {
         reader.lose(clip, "it is not used: nothing is cut off");
     }
-    let kind = own.kind()?;
-    if !["perspective", "thinlens", "orthographic"].contains(&kind) {
-        return Err(unknown(node, "perspective, thinlens, orthographic"));
-    }
-    let film = match own.elements("film", reader)[..] {
+    let kind = own.kind_among(&["perspective", "thinlens", "orthographic"])?;
+    let film = match own.elements("film", reader)?[..] {
         [] => Film { width: 768.0, height: 576.0, crop: [0.0, 0.0, 768.0, 576.0] },
         [film] => self::film(film, reader)?,
         _ => return Err(node.error("expected one film")),
     };
     let mut samples = 4;
-    for sampler in own.elements("sampler", reader) {
+    for sampler in own.elements("sampler", reader)? {
         let given = Properties::of(sampler);
         given.ignore(&["seed", "jitter"]);
         let count = given.integer_or("sample_count", 4)?;
@@ -51,16 +48,14 @@ pub fn sensor<'a>(node: &'a Node, reader: &mut Reader<'a, '_>) -> Result<(Camera
     let [x, y, z] = to_world.matrix3.to_cols_array_2d().map(glam::DVec3::from_array);
     let lengths = [x.length(), y.length(), z.length()];
     let angles = [x.dot(y), y.dot(z), z.dot(x)].map(f64::abs).into_iter().fold(0.0, f64::max);
-    if !lengths.iter().all(|length| *length > 0.0) || angles > 1e-4 * lengths[0] * lengths[1].max(lengths[2]) {
-        return Err(node.error("expected a to_world whose axes are at right angles"));
-    }
+    let has_size = lengths.iter().all(|length| *length > 0.0);
+    let is_right = has_size && angles <= 1e-4 * lengths[0] * lengths[1].max(lengths[2]);
+    require(is_right, || node.error("expected a to_world whose axes are at right angles"))?;
     let is_scaled = lengths.iter().any(|length| (length - 1.0).abs() > 1e-3);
-    if is_scaled && kind != "orthographic" {
-        return Err(node.error("expected a to_world without a scale"));
-    }
+    require(!is_scaled || kind == "orthographic", || node.error("expected a to_world without a scale"))?;
     let from = to_world.translation;
     // Media are where their boundaries are.
-    reader.outside = own.elements("medium", reader).is_empty().then_some((node, from));
+    reader.made.outside = own.elements("medium", reader)?.is_empty().then(|| (node.at.clone(), node.title(), from));
     let mut camera = Camera::pinhole(from, from + z / lengths[2], y / lengths[1], 45.0);
     camera.mirror = to_world.matrix3.determinant() < 0.0;
     camera.vertical_fov = None;
@@ -70,12 +65,11 @@ pub fn sensor<'a>(node: &'a Node, reader: &mut Reader<'a, '_>) -> Result<(Camera
         own.number(name)?;
     }
     if kind == "orthographic" {
-        if film.is_cropped() {
-            return Err(node.error("expected a film without a crop: orthographic sensors have none here"));
-        }
-        if (lengths[0] - lengths[1]).abs() > 1e-3 * lengths[0] {
-            return Err(node.error("expected a to_world that scales x and y alike"));
-        }
+        require(!film.is_cropped(), || {
+            node.error("expected a film without a crop: orthographic sensors have none here")
+        })?;
+        let is_even = (lengths[0] - lengths[1]).abs() <= 1e-3 * lengths[0];
+        require(is_even, || node.error("expected a to_world that scales x and y alike"))?;
         camera.projection = Some(Projection::Orthographic { height: 2.0 * lengths[0] * film.height / film.width });
     } else {
         let wide = half_width(&own, &film)?;
@@ -122,9 +116,7 @@ fn half_width(own: &Properties, film: &Film) -> Result<f64> {
             (2.0 * (0.5 * diagonal / number.ok_or_else(wrong)?).atan().to_degrees(), "diagonal")
         }
     };
-    if !(fov > 0.0 && fov < 180.0) {
-        return Err(own.node.error(format!("expected a fov above 0 and below 180, found {fov}")));
-    }
+    require(fov > 0.0 && fov < 180.0, || own.node.error(format!("expected a fov above 0 and below 180, found {fov}")))?;
     let half = (0.5 * fov.to_radians()).tan();
     let high = film.height / film.width;
     match axis.to_ascii_lowercase().as_str() {
@@ -142,17 +134,13 @@ fn half_width(own: &Properties, film: &Film) -> Result<f64> {
 
 fn film(node: &Node, reader: &mut Reader) -> Result<Film> {
     let own = Properties::of(node);
-    if !["hdrfilm", "ldrfilm"].contains(&own.kind()?) {
-        return Err(unknown(node, "hdrfilm"));
-    }
+    own.kind_among(&["hdrfilm", "ldrfilm"])?;
     own.ignore(&["file_format", "pixel_format", "component_format", "sample_border", "banner", "compensate", "gamma"]);
     own.ignore(&["high_quality_edges", "fog"]);
     let length = |name: &str, default: f64, most: f64| {
         let found = own.integer_or(name, default as i64)? as f64;
-        match found >= 0.0 && found <= most {
-            true => Ok(found),
-            false => Err(node.error(format!("expected {name} from 0 to {most}, found {found}"))),
-        }
+        let fits = found >= 0.0 && found <= most;
+        require(fits, || node.error(format!("expected {name} from 0 to {most}, found {found}"))).map(|()| found)
     };
     let (width, height) = (length("width", 768.0, 65536.0)?, length("height", 576.0, 65536.0)?);
     let (left, top) = (length("crop_offset_x", 0.0, width)?, length("crop_offset_y", 0.0, height)?);

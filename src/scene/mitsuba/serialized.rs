@@ -5,10 +5,11 @@ use std::io::Read;
 use flate2::read::ZlibDecoder;
 use glam::{DVec3, Vec2};
 
+use crate::error::require;
 use crate::scene::draft::{Draft, MOST_BYTES};
 use crate::shape::mesh::Mesh;
 
-const MAGIC: u16 = 0x041c;
+const MAGIC: u64 = 0x041c;
 const HAS_NORMALS: u32 = 1;
 const HAS_UVS: u32 = 2;
 const HAS_COLOURS: u32 = 8;
@@ -18,23 +19,24 @@ const DOUBLE: u32 = 0x2000;
 /// The mesh of this number, counted from 0.
 pub fn read(bytes: &[u8], number: usize) -> Result<Mesh, String> {
     let broken = || "expected a serialized mesh of Mitsuba, of version 3 or 4".to_owned();
-    let word = |at: usize| bytes.get(at..at.checked_add(2)?)?.try_into().ok().map(u16::from_le_bytes);
-    let version = word(2).filter(|version| word(0) == Some(MAGIC) && (3..=4).contains(version)).ok_or_else(broken)?;
+    let integer = |at: usize, length: usize| {
+        let all = bytes.get(at..at.checked_add(length)?)?;
+        Some(all.iter().rev().fold(0u64, |all, byte| all << 8 | u64::from(*byte)))
+    };
+    let version = integer(2, 2).filter(|version| integer(0, 2) == Some(MAGIC) && (3..=4).contains(version));
+    let version = version.ok_or_else(broken)?;
     let size = if version == 4 { 8 } else { 4 };
     let end = bytes.len().checked_sub(4).ok_or_else(broken)?;
-    let count = bytes.get(end..).and_then(|last| last.try_into().ok()).map_or(0, u32::from_le_bytes) as usize;
-    if number >= count {
-        return Err(format!("there is no mesh {number}: the file has {count}"));
-    }
+    let count = integer(end, 4).ok_or_else(broken)? as usize;
+    require(number < count, || format!("there is no mesh {number}: the file has {count}"))?;
     let table = count.checked_mul(size).and_then(|length| end.checked_sub(length)).ok_or_else(broken)?;
-    let offset = bytes.get(table + number * size..table + (number + 1) * size).ok_or_else(broken)?;
-    let offset = offset.iter().rev().fold(0u64, |all, byte| all << 8 | u64::from(*byte));
+    let offset = integer(table + number * size, size).ok_or_else(broken)?;
     let start = usize::try_from(offset).ok().and_then(|offset| offset.checked_add(4)).ok_or_else(broken)?;
     let mut input = ZlibDecoder::new(bytes.get(start..).ok_or_else(broken)?);
     mesh(&mut input, version)
 }
 
-fn mesh(input: &mut impl Read, version: u16) -> Result<Mesh, String> {
+fn mesh(input: &mut impl Read, version: u64) -> Result<Mesh, String> {
     let flags = u32::from_le_bytes(bytes(input)?);
     if version == 4 {
         while bytes::<1>(input)? != [0] {}

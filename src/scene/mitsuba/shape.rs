@@ -9,15 +9,12 @@ use super::emitter::medium;
 use super::properties::{Properties, unknown};
 use super::reader::Reader;
 use super::{bsdf, serialized};
-use crate::error::Result;
+use crate::error::{Result, require};
 use crate::lobe::anisotropy::ANISOTROPY;
-use crate::scene::draft::MOST_BYTES;
 use crate::scene::file::{self, OnProgress};
-use crate::scene::imported::bodies::Body;
 use crate::scene::imported::surface::Medium;
 use crate::scene::imported::transform::moved;
-use crate::scene::imported::{mesh, surface};
-use crate::scene::mesh_files::load_file;
+use crate::scene::imported::{Body, mesh, surface};
 use crate::scene::types::*;
 use crate::shape::Aabb;
 use crate::shape::mesh::Mesh;
@@ -54,9 +51,8 @@ pub fn shape<'a>(
         return Ok(Vec::new());
     }
     let to_world = *world * own.transform("to_world")?;
-    if to_world.matrix3.determinant() == 0.0 || !to_world.is_finite() {
-        return Err(node.error("expected a to_world that leaves the shape a size"));
-    }
+    let has_size = to_world.matrix3.determinant() != 0.0 && to_world.is_finite();
+    require(has_size, || node.error("expected a to_world that leaves the shape a size"))?;
     if kind == "instance" {
         return Ok(vec![named(instance(&own, &to_world, progress, reader)?)]);
     }
@@ -69,33 +65,23 @@ pub fn shape<'a>(
         "sphere" => sphere(node, &to_world, flips, &surface, reader),
         "rectangle" => {
             let DMat3 { x_axis: x, y_axis: y, z_axis: z } = to_world.matrix3;
-            match surface.is_textured || flips || x.cross(y).dot(z) < 0.0 {
-                true => made(node, mesh::rectangle(), &to_world, flips, &surface, reader),
-                false => Object::Quad { corner: to_world.translation - x - y, u: 2.0 * x, v: 2.0 * y, material },
-            }
+            let ours = Object::Quad { corner: to_world.translation - x - y, u: 2.0 * x, v: 2.0 * y, material };
+            let is_ours = !surface.is_textured && !flips && x.cross(y).dot(z) >= 0.0;
+            let ours = Some(ours).filter(|_| is_ours);
+            ours.unwrap_or_else(|| made(node, mesh::rectangle(), &to_world, flips, &surface, reader))
         }
         "cube" => {
             let sides = to_world.matrix3.to_cols_array_2d().map(|column| DVec3::from_array(column).length());
             let half = DVec3::from_array(sides);
             let placed = to_world * DAffine3::from_scale(half.recip());
-            let cube = Object::Box { min: -half, max: half, material };
-            match moved(&placed, cube).filter(|_| !surface.is_textured && !flips) {
-                Some(object) => object,
-                None => made(node, mesh::cube(), &to_world, flips, &surface, reader),
-            }
+            let ours = moved(&placed, Object::Box { min: -half, max: half, material });
+            let ours = ours.filter(|_| !surface.is_textured && !flips);
+            ours.unwrap_or_else(|| made(node, mesh::cube(), &to_world, flips, &surface, reader))
         }
         "disk" => {
-            let normal = to_world.matrix3.inverse().transpose().z_axis;
-            let (x, y) = (to_world.matrix3.x_axis, to_world.matrix3.y_axis);
-            let is_round =
-                (x.length() - y.length()).abs() < 1e-6 * x.length() && x.dot(y).abs() < 1e-6 * x.length_squared();
-            match is_round && !surface.is_textured {
-                true => {
-                    let normal = normal.normalize_or(DVec3::Z) * if flips { -1.0 } else { 1.0 };
-                    Object::Disk { center: to_world.translation, normal, radius: x.length(), material }
-                }
-                false => made(node, disk(), &to_world, flips, &surface, reader),
-            }
+            let ours = surface::disk(&to_world, DVec3::ZERO, 1.0, flips, &material);
+            let ours = ours.filter(|_| !surface.is_textured);
+            ours.unwrap_or_else(|| made(node, disk(), &to_world, flips, &surface, reader))
         }
         "cylinder" => {
             around.min.z = 0.0;
@@ -118,14 +104,9 @@ pub fn shape<'a>(
         reader.lose(node, "its image ends at the poles here: Mitsuba blends its first row with its last");
     }
     let around = Aabb::around(around.corners().map(|p| to_world.transform_point3(p)));
-    reader.bodies.push(Body {
-        at: node.at.clone(),
-        title: node.title(),
-        around,
-        is_glass: surface.is_glass,
-        emits: surface.emits,
-        has_medium: surface.inside.is_some(),
-    });
+    let Surface { is_glass, emits, .. } = surface;
+    let (at, title, has_medium) = (node.at.clone(), node.title(), surface.inside.is_some());
+    reader.made.bodies.push(Body { at, title, around, is_glass, emits, has_medium });
     let mut objects = Vec::new();
     if let Some(medium) = &surface.inside {
         objects.push(named(medium.inside(surface::without_material(object.clone()))));
@@ -144,9 +125,7 @@ fn placed(own: &Properties, kind: &str) -> Result<DAffine3> {
         return Ok(DAffine3::IDENTITY);
     }
     let radius = own.number_or("radius", 1.0)?;
-    if radius <= 0.0 {
-        return Err(own.node.error(format!("expected a radius above 0, found {radius}")));
-    }
+    require(radius > 0.0, || own.node.error(format!("expected a radius above 0, found {radius}")))?;
     if kind == "sphere" {
         let center = own.vector("center")?.unwrap_or(DVec3::ZERO);
         return Ok(DAffine3::from_translation(center) * DAffine3::from_scale(DVec3::splat(radius)));
@@ -168,20 +147,16 @@ fn instance<'a>(
     let group = own.take(|child| child.tag == "ref" || child.tag == "shape");
     let [group] = group[..] else { return Err(own.node.error("expected one shapegroup in it")) };
     let group = reader.follow(group, "shape")?;
-    if group.attribute("type") != Some("shapegroup") {
-        return Err(own.node.error(format!("expected a shapegroup, found {}", group.title())));
-    }
+    let is_group = group.attribute("type") == Some("shapegroup");
+    require(is_group, || own.node.error(format!("expected a shapegroup, found {}", group.title())))?;
     own.end(reader);
     let is_even = moved(to_world, Object::Group(Vec::new())).is_some();
     let inner = if is_even { DAffine3::IDENTITY } else { *to_world };
-    let (mut objects, bodies) = (Vec::new(), reader.bodies.len());
+    let (mut objects, bodies) = (Vec::new(), reader.made.bodies.len());
     for child in &group.children {
-        if child.tag != "shape" {
-            return Err(child.error("expected shapes in a shapegroup, and nothing else"));
-        }
-        if ["instance", "shapegroup"].contains(&child.required("type")?) {
-            return Err(child.error("expected no instance inside a shapegroup"));
-        }
+        require(child.tag == "shape", || child.error("expected shapes in a shapegroup, and nothing else"))?;
+        let is_nested = ["instance", "shapegroup"].contains(&child.required("type")?);
+        require(!is_nested, || child.error("expected no instance inside a shapegroup"))?;
         let key = (std::ptr::from_ref(child), inner.to_cols_array().map(f64::to_bits));
         let known = match reader.grouped.get(&key) {
             Some(known) => known.clone(),
@@ -191,7 +166,7 @@ fn instance<'a>(
         reader.grouped.insert(key, known);
     }
     // Where these are is not where instances are.
-    reader.bodies.truncate(bodies);
+    reader.made.bodies.truncate(bodies);
     let group = Object::Group(objects);
     Ok(if is_even { moved(to_world, group.clone()).unwrap_or(group) } else { group })
 }
@@ -246,24 +221,17 @@ fn file_mesh(
         own.find("filename").unwrap_or(node).error_at("value", format!("{}: {reason}", path.display()))
     };
     reader.made.assets.stamp_files(&path);
-    if !path.exists() {
-        return Err(broken("there is no such file".to_owned()));
-    }
+    require(path.exists(), || broken("there is no such file".to_owned()))?;
     let faceted = own.flag_or("face_normals", false)?;
     let flipped_uvs = own.flag_or("flip_tex_coords", kind == "obj")?;
     let number = own.integer_or("shape_index", 0)?;
     let number = usize::try_from(number).map_err(|_| node.error("expected a shape_index of 0 or more"))?;
-    let read = match reader.of_files.get(&path).filter(|_| kind != "serialized") {
-        Some(known) => Arc::clone(known),
-        None if kind == "serialized" => {
-            let bytes = file::read(&path, "mesh", file::LONGEST).map_err(broken)?;
-            Arc::new(serialized::read(&bytes, number).map_err(broken)?)
-        }
-        None => load_file(&path, MOST_BYTES, progress).map_err(broken)?.0,
+    let read = if kind == "serialized" {
+        let bytes = file::read(&path, "mesh", file::LONGEST).map_err(broken)?;
+        Arc::new(serialized::read(&bytes, number).map_err(broken)?)
+    } else {
+        reader.made.mesh(&path, progress).map_err(broken)?
     };
-    if kind != "serialized" {
-        reader.of_files.insert(path.clone(), Arc::clone(&read));
-    }
     // The file's v is upwards as ours, unless Mitsuba takes it as it is.
     let turned = DAffine3::from_translation(DVec3::Y) * DAffine3::from_scale(DVec3::new(1.0, -1.0, 1.0));
     let to_uv = surface.to_uv * if flipped_uvs { DAffine3::IDENTITY } else { turned };
@@ -295,17 +263,16 @@ fn file_mesh(
 /// The material and the medium of a shape.
 fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a, '_>) -> Result<Surface> {
     let node = own.node;
-    let of_bsdf = match own.elements("bsdf", reader)[..] {
+    let of_bsdf = match own.elements("bsdf", reader)?[..] {
         [] => None,
         [one] => Some(one),
         [_, other, ..] => return Err(other.error("expected one bsdf in a shape, found another")),
     };
-    let emitters = own.elements("emitter", reader);
+    let emitters = own.elements("emitter", reader)?;
     let mut inside = None;
     for child in own.take(|child| reader.follow(child, "medium").is_ok()) {
-        if child.attribute("name") != Some("interior") {
-            return Err(child.error("expected the name interior: other media are not read"));
-        }
+        let is_inside = child.attribute("name") == Some("interior");
+        require(is_inside, || child.error("expected the name interior: other media are not read"))?;
         if !reader.has_media {
             reader.lose(child, "Mitsuba leaves media out unless the integrator is volpath or volpathmis");
         }
@@ -318,9 +285,7 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a, '_>) -> Result<Surf
         [] => None,
         [emitter] => {
             let of_emitter = Properties::of(emitter);
-            if of_emitter.kind()? != "area" {
-                return Err(unknown(emitter, "area"));
-            }
+            of_emitter.kind_among(&["area"])?;
             of_emitter.ignore(&["sampling_weight"]);
             let found = bsdf::texture_or(&of_emitter, "radiance", 1.0, reader)?;
             of_emitter.end(reader);
@@ -338,18 +303,19 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a, '_>) -> Result<Surf
         None => {
             let mut found = match of_bsdf {
                 Some(found) => bsdf::material(found, false, reader)?,
-                None => Some(bsdf::lambertian(Texture::grey(if emission.is_some() { 0.0 } else { 0.5 }), true)),
+                None => Some(surface::lambertian(Texture::grey(if emission.is_some() { 0.0 } else { 0.5 }), true)),
             };
             if absorption.is_some() {
                 let slot = found.as_mut().and_then(surface::absorption_of);
                 let missing = || node.error("expected one number for the sigma_t of its medium: it is not in glass");
                 *slot.ok_or_else(missing)? = absorption;
             }
-            let found = match (found, emission) {
-                (found, None) => found,
-                (None, Some(_)) => return Err(node.error("an area emitter without a surface is not read")),
-                (Some(found), Some((emitter, emission))) => Some(emitting(found, emission, emitter)?),
-            };
+            if let Some((emitter, emission)) = emission {
+                let missing = || node.error("an area emitter without a surface is not read");
+                let wrong = || emitter.error("only diffuse and plastic surfaces can emit here");
+                let lamp = surface::emitting(found.ok_or_else(missing)?, emission, false);
+                found = Some(lamp.ok_or_else(wrong)?);
+            }
             let to_uv = reader.to_uv.unwrap_or(DAffine3::IDENTITY);
             let made = found.map(|material| (reader.add_material(material, of_bsdf.unwrap_or(node)), to_uv));
             reader.known.insert(key, made);
@@ -369,15 +335,4 @@ fn surface<'a>(own: &Properties<'a>, reader: &mut Reader<'a, '_>) -> Result<Surf
     let is_glass = all.iter().any(|own| matches!(own, Material::Dielectric(_) | Material::RoughDielectric(_)));
     let inside = inside.filter(|_| absorption.is_none());
     Ok(Surface { material, is_textured, to_uv, inside, has_image, is_glass, emits })
-}
-
-/// A material that emits.
-fn emitting(mut material: Material, emission: Texture, emitter: &Node) -> Result<Material> {
-    if surface::is_black(&material) {
-        return Ok(Material::DiffuseLight(DiffuseLight { emit: emission, two_sided: false, light_group: None }));
-    }
-    let slot = surface::emission_of(&mut material);
-    let (own, one_sided) = slot.ok_or_else(|| emitter.error("only diffuse and plastic surfaces can emit here"))?;
-    (*own, *one_sided) = (Some(emission), true);
-    Ok(material)
 }

@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use super::document::Node;
 use super::values::{number, numbers, point, vector};
-use crate::error::Result;
+use crate::error::{Result, require};
 use crate::scene::imported::transform::look_at;
 
 /// The transform of an element.
@@ -13,10 +13,8 @@ pub fn of(node: &Node) -> Result<DAffine3> {
     for step in &node.children {
         all = one(step)? * all;
     }
-    match all.to_cols_array().iter().all(|x| x.is_finite()) {
-        true => Ok(all),
-        false => Err(node.error("expected finite numbers in the product of its transforms")),
-    }
+    require(all.is_finite(), || node.error("expected finite numbers in the product of its transforms"))?;
+    Ok(all)
 }
 
 fn one(step: &Node) -> Result<DAffine3> {

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::document::Node;
+use crate::bitmap::light_of_srgb;
 use crate::error::Result;
 use crate::printable::quote;
 use crate::scene::imported::spectrum;
@@ -64,7 +65,7 @@ pub fn colour(node: &Node) -> Result<Colour> {
     if let Some(digits) = text.strip_prefix('#') {
         let code = u32::from_str_radix(digits, 16).ok().filter(|_| digits.len() == 6);
         let code = code.ok_or_else(|| node.error_at("value", format!("expected #rrggbb, found {}", quote(text))))?;
-        let channel = |shift: u32| linear(f64::from(code >> shift & 255) / 255.0);
+        let channel = |shift: u32| light_of_srgb(f64::from(code >> shift & 255) / 255.0);
         return Ok(Colour::new(channel(16), channel(8), channel(0)));
     }
     if text.contains(':') {
@@ -97,9 +98,4 @@ fn pairs(node: &Node, text: &str) -> Result<Vec<(f64, f64)>> {
         let expected = "expected WAVELENGTH:VALUE, .. with wavelengths that rise";
         node.error_at("value", format!("{expected}, found {}", quote(text)))
     })
-}
-
-/// sRGB's transfer function.
-fn linear(code: f64) -> f64 {
-    if code <= 0.04045 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
 }

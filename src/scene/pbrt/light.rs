@@ -8,7 +8,7 @@ use super::params::{Params, Spectrum};
 use super::reader::{Area, Reader};
 use crate::bitmap::Decoding;
 use crate::data::luminance;
-use crate::error::Result;
+use crate::error::{Result, require};
 use crate::printable::quote;
 use crate::scene::imported::surface::Medium;
 use crate::scene::imported::tables;
@@ -37,15 +37,11 @@ fn emitted(params: &Params, name: &str, total: (&str, f64), reader: &Reader) -> 
 }
 
 pub fn area(kind: &str, params: Params, reader: &mut Reader) -> Result<Area> {
-    if kind != "diffuse" {
-        return Err(params.error("this area light is not read: expected diffuse"));
-    }
+    require(kind == "diffuse", || params.error("this area light is not read: expected diffuse"))?;
     let sides = if params.flag_or("twosided", false)? { 2.0 } else { 1.0 };
     let radiance = emitted(&params, "L", ("power", sides), reader)?;
     let is_power = params.number_or("power", 0.0)? > 0.0;
-    if params.has("filename") {
-        return Err(params.error_at("filename", "an image of an area light is not read"));
-    }
+    require(!params.has("filename"), || params.error_at("filename", "an image of an area light is not read"))?;
     reader.end(&params);
     Ok(Area { radiance, is_two_sided: sides == 2.0, is_power, at: params.at })
 }
@@ -58,11 +54,10 @@ pub fn light(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
         reader.lose(params, "", "its image is not used: it becomes a point light");
     }
     let object = match kind {
-        "point" | "goniometric" => Object::PointLight {
-            at: from,
-            intensity: emitted(params, "I", ("power", 4.0 * PI), reader)?,
-            light_group: None,
-        },
+        "point" | "goniometric" => {
+            let intensity = emitted(params, "I", ("power", 4.0 * PI), reader)?;
+            Object::PointLight { at: from, intensity, light_group: None }
+        }
         "spot" => {
             let towards = ctm.transform_point3(params.point_or("to", DVec3::Z)?);
             let outer = params.number_or("coneangle", 30.0)?;
@@ -70,29 +65,15 @@ pub fn light(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
             // The light falls by a half between both cones.
             let [full, none] = [inner, outer].map(|angle| 1.0 - angle.to_radians().cos());
             let intensity = emitted(params, "I", ("power", PI * (full + none)), reader)?;
-            Object::SpotLight {
-                at: from,
-                towards,
-                intensity,
-                inner,
-                outer,
-                falloff: Falloff::Smooth,
-                light_group: None,
-            }
+            let (at, falloff) = (from, Falloff::Smooth);
+            Object::SpotLight { at, towards, intensity, inner, outer, falloff, light_group: None }
         }
         "distant" => {
             let to = ctm.transform_point3(params.point_or("to", DVec3::Z)?);
-            Object::DirectionalLight {
-                direction: to - from,
-                irradiance: emitted(params, "L", ("illuminance", 1.0), reader)?,
-                light_group: None,
-            }
+            let irradiance = emitted(params, "L", ("illuminance", 1.0), reader)?;
+            Object::DirectionalLight { direction: to - from, irradiance, light_group: None }
         }
         "infinite" => {
-            if reader.made.parts.background.is_some() {
-                return Err(params.error("expected one infinite light, found another"));
-            }
-            reader.made.place(&["background"], &params.at);
             if params.has("portal") {
                 params.ignore(&["portal"]);
                 reader.lose(params, "portal", "its light comes from beside its portal too");
@@ -107,16 +88,16 @@ pub fn light(kind: &str, params: &Params, reader: &mut Reader) -> Result<()> {
                 _ => PI,
             };
             let tint = emitted(params, "L", ("illuminance", of_plane), reader)?;
-            reader.made.parts.background = Some(match path {
+            let background = match path {
                 None => Background::Solid(tint),
                 Some(path) => {
                     let by =
                         turns(&ctm).ok_or_else(|| params.error("expected a transform that turns the sky alone"))?;
                     Background::Image { path, tint, by, layout: SkyLayout::Octahedral }
                 }
-            });
+            };
             reader.end(params);
-            return Ok(());
+            return reader.made.set_background(background, &params.title, &params.at);
         }
         _ => return Err(params.error("this light is not read: expected point, spot, distant or infinite")),
     };
@@ -138,16 +119,14 @@ fn illuminance(image: &Bitmap) -> f64 {
 
 /// The medium of a directive.
 pub fn medium(params: &Params, reader: &mut Reader) -> Result<Medium> {
-    if params.word("type")?.unwrap_or("homogeneous") != "homogeneous" {
-        return Err(params.error_at("type", "expected homogeneous: other media are not read"));
-    }
+    let is_even = params.word("type")?.is_none_or(|kind| kind == "homogeneous");
+    require(is_even, || params.error_at("type", "expected homogeneous: other media are not read"))?;
     let scale = params.number_or("scale", 1.0)?;
     let (Some(absorbed), Some(scattered)) = (params.colour("sigma_a")?, params.colour("sigma_s")?) else {
         return Err(params.error("expected sigma_a and sigma_s"));
     };
-    if absorbed.min_element().min(scattered.min_element()) < 0.0 || scale < 0.0 {
-        return Err(params.error("expected sigma_a, sigma_s and a scale of 0 or more"));
-    }
+    let least = absorbed.min(scattered).min_element().min(scale);
+    require(least >= 0.0, || params.error("expected sigma_a, sigma_s and a scale of 0 or more"))?;
     let extinction = absorbed + scattered;
     let share = |scattered: f64, all: f64| if all > 0.0 { scattered / all } else { 0.0 };
     let albedo = Colour::new(

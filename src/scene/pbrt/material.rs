@@ -5,9 +5,9 @@ use std::cell::Cell;
 use super::params::{Params, Spectrum};
 use super::reader::{AS_THEY_ARE, Reader};
 use super::texture::{baked, number_or, texture_or};
-use crate::error::Result;
+use crate::error::{Result, require};
 use crate::printable::quote;
-use crate::scene::imported::surface::Facets;
+use crate::scene::imported::surface::{self, Facets, lambertian};
 use crate::scene::imported::tables;
 use crate::scene::types::*;
 
@@ -16,17 +16,6 @@ const KNOWN: &str =
 
 /// The thickness of a layer up to which its absorption is off by a percent at most where light grazes it.
 const THICKEST: f64 = 0.03;
-
-/// The indices of the glasses that have names, at 587.6 nm.
-const GLASSES: [(&str, f64); 7] = [
-    ("glass-BK7", 1.5168),
-    ("glass-BAF10", 1.6700),
-    ("glass-FK51A", 1.4866),
-    ("glass-LASF9", 1.8503),
-    ("glass-SF5", 1.6727),
-    ("glass-SF10", 1.7283),
-    ("glass-SF11", 1.7847),
-];
 
 /// The material of a directive; nothing for an interface.
 pub fn material(kind: &str, params: &Params, reader: &mut Reader) -> Result<Option<Material>> {
@@ -40,20 +29,14 @@ pub fn material(kind: &str, params: &Params, reader: &mut Reader) -> Result<Opti
     }
     let found = match kind {
         "" | "none" | "interface" => None,
-        "diffuse" => Some(lambertian(texture_or(params, "reflectance", 0.5, reader)?)),
+        "diffuse" => Some(lambertian(texture_or(params, "reflectance", 0.5, reader)?, false)),
         "coateddiffuse" => Some(coated(params, reader)?),
         "diffusetransmission" => Some(translucent(params, reader)?),
         "dielectric" => {
             let (ior, facets) = (index(params, reader)?, facets(params, reader)?);
             Some(match facets.roughness == 0.0 && facets.anisotropy == 0.0 {
                 true => Material::Dielectric(Dielectric { ior, ..Dielectric::default() }),
-                false => Material::RoughDielectric(RoughDielectric {
-                    ior,
-                    roughness: Texture::grey(facets.roughness),
-                    anisotropy: facets.anisotropy,
-                    anisotropy_rotation: facets.rotation,
-                    ..RoughDielectric::default()
-                }),
+                false => Material::RoughDielectric(RoughDielectric { ior, ..facets.dielectric() }),
             })
         }
         "thindielectric" => Some(Material::ThinDielectric(ThinDielectric {
@@ -71,16 +54,12 @@ pub fn material(kind: &str, params: &Params, reader: &mut Reader) -> Result<Opti
             reader.lose(params, "", "it becomes a matt surface");
             let albedo = texture_or(params, "reflectance", 0.5, reader)?;
             params.ignore_all();
-            Some(lambertian(albedo))
+            Some(lambertian(albedo, false))
         }
         _ => return Err(params.error(format!("this material is not read: expected one of {KNOWN}"))),
     };
     reader.end(params);
     Ok(found)
-}
-
-pub fn lambertian(albedo: Texture) -> Material {
-    Material::Lambertian(Lambertian { albedo, ..Lambertian::default() })
 }
 
 /// A matt body under a layer. Ours lets all light pass, so that what the layer of pbrt absorbs is taken from the body.
@@ -90,9 +69,7 @@ fn coated(params: &Params, reader: &mut Reader) -> Result<Material> {
     }
     params.ignore(&["nsamples"]);
     let facets = facets(params, reader)?;
-    if facets.anisotropy != 0.0 {
-        return Err(params.error("expected one roughness for u and v"));
-    }
+    require(facets.anisotropy == 0.0, || params.error("expected one roughness for u and v"))?;
     let message = match facets.roughness > 0.0 {
         false => "its random walk is a closed form here, which differs by up to 0.5 %",
         true => {
@@ -144,9 +121,8 @@ fn translucent(params: &Params, reader: &mut Reader) -> Result<Material> {
     let base_color = part(true, |parts| over(parts[0], 1.0 - share_of(parts)))?;
     let diffuse_transmission_color = part(true, |parts| over(parts[1], share_of(parts)))?;
     let (sum, images) = (most.get(), parts.iter().filter(|part| part.decoded().is_some()).count());
-    if sum > 1.0 && images == 0 {
-        return Err(params.error(format!("expected a reflectance and transmittance of 1 at most, found {sum}")));
-    }
+    let wrong = || params.error(format!("expected a reflectance and transmittance of 1 at most, found {sum}"));
+    require(sum <= 1.0 || images > 0, wrong)?;
     if sum > 1.0 {
         reader.lose(params, "", "where it would scatter more light than it gets, both parts are less here");
     }
@@ -182,25 +158,17 @@ fn conductor(params: &Params, reader: &mut Reader) -> Result<Material> {
             let reflectance = own.clamp(Colour::ZERO, Colour::splat(0.9999));
             (Colour::ONE, reflectance.map(|r| 2.0 * r.sqrt() / (1.0 - r).sqrt()))
         }
-        false => (of_metal(params, "eta", 0)?, of_metal(params, "k", 3)?),
+        false => (of_metal(params, "eta", 0)?, of_metal(params, "k", 1)?),
     };
-    Ok(Material::Conductor(Conductor {
-        eta: Some(eta),
-        k: Some(k),
-        roughness: Texture::grey(facets.roughness),
-        anisotropy: facets.anisotropy,
-        anisotropy_rotation: facets.rotation,
-        ..Conductor::default()
-    }))
+    Ok(Material::Conductor(Conductor { eta: Some(eta), k: Some(k), ..facets.conductor() }))
 }
 
-/// The eta or the k of a metal, whose numbers stand from `first` on in its row.
-fn of_metal(params: &Params, name: &str, first: usize) -> Result<Colour> {
+/// The eta or the k of a metal: 0 or 1 says which.
+fn of_metal(params: &Params, name: &str, number: usize) -> Result<Colour> {
     let of_name = |text: &str| {
         let metal = text.strip_prefix("metal-").and_then(|rest| rest.strip_suffix(&format!("-{name}")));
-        let row = metal.and_then(|metal| tables::row(tables::METALS, metal)).unwrap_or_default();
         let missing = || params.error_at(name, format!("the metal {} is not known here: give its rgb", quote(text)));
-        row.get(first..first + 3).map(|own| Colour::new(own[0], own[1], own[2])).ok_or_else(missing)
+        Ok(metal.and_then(tables::metal).ok_or_else(missing)?[number])
     };
     match params.spectrum(name)? {
         None => of_name(&format!("metal-Cu-{name}")),
@@ -214,7 +182,7 @@ fn of_metal(params: &Params, name: &str, first: usize) -> Result<Colour> {
 
 fn mix(params: &Params, reader: &mut Reader) -> Result<Material> {
     let names = params.words("materials")?;
-    let [a, b] = names[..] else {
+    let [a, b] = names else {
         return Err(params.error_at("materials", format!("expected the names of two materials, found {}", names.len())));
     };
     let mut name_of = |name: &str| {
@@ -222,14 +190,10 @@ fn mix(params: &Params, reader: &mut Reader) -> Result<Material> {
         let look = reader.named_looks.get(name).and_then(|look| reader.looks.get(*look));
         let look = look.ok_or_else(|| wrong("there is no material of this name above"))?;
         let (found, at, mapping) = (look.material.clone(), look.at.clone(), look.mapping);
-        if mapping.is_some_and(|mapping| !reader.has_mapping(mapping)) {
-            return Err(wrong("expected one mapping of all textures of a surface, found another"));
-        }
-        let found = found.ok_or_else(|| wrong("an interface cannot be mixed"))?;
-        match found.not_mixed() {
-            Some(what) => Err(wrong(&format!("it cannot be mixed here, because it {what}"))),
-            None => Ok(reader.add_material(found, name, &at)),
-        }
+        let is_one = mapping.is_none_or(|mapping| reader.has_mapping(mapping));
+        require(is_one, || wrong("expected one mapping of all textures of a surface, found another"))?;
+        let found = surface::mixed(found, "an interface cannot be mixed").map_err(|message| wrong(&message))?;
+        Ok(reader.add_material(found, name, &at))
     };
     let (a, b) = (name_of(a)?, name_of(b)?);
     Ok(Material::Mix(Mix { a, b, share: number_or(params, "amount", 0.5, reader)?, alpha: Texture::grey(1.0) }))
@@ -241,19 +205,18 @@ fn index(params: &Params, reader: &mut Reader) -> Result<f64> {
         None => 1.5,
         Some(Spectrum::Rgb(eta)) if eta == Colour::splat(eta.x) => eta.x,
         Some(Spectrum::Named(name)) => {
-            let known = GLASSES.into_iter().find(|(known, _)| *known == name);
+            let glass = Some(&name).filter(|name| name.starts_with("glass-"));
+            let known = glass.and_then(|name| tables::row(tables::INDICES, name)?.first().copied());
             let unknown =
                 || params.error_at("eta", format!("the glass {} is not known here: give a float", quote(&name)));
-            let (_, ior) = known.ok_or_else(unknown)?;
+            let ior = known.ok_or_else(unknown)?;
             reader.lose(params, "eta", &format!("its index is {ior} for all colours here"));
             ior
         }
         Some(_) => return Err(params.error_at("eta", "expected one number, or the name of a glass")),
     };
-    match ior > 0.0 {
-        true => Ok(ior),
-        false => Err(params.error_at("eta", format!("expected an index above 0, found {ior}"))),
-    }
+    require(ior > 0.0, || params.error_at("eta", format!("expected an index above 0, found {ior}")))?;
+    Ok(ior)
 }
 
 /// The microfacets of a material, from the roughness of u and v, whose root pbrt takes as alpha unless `remaproughness` is false.

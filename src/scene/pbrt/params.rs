@@ -5,23 +5,19 @@ use std::path::PathBuf;
 
 use glam::{DVec2, DVec3};
 
-use super::tokens::{self, Failure, Token, Tokens, number_of};
-use crate::error::{Error, Result};
+use super::tokens::{Token, Tokens, number_of};
+use crate::error::{Error, Result, require};
 use crate::printable::{counted, quote};
 use crate::scene::imported::{Place, spectrum};
 use crate::scene::types::Colour;
 
 #[derive(Clone, Debug)]
-enum Values {
-    Numbers(Vec<f64>),
-    Words(Vec<String>),
-}
-
-#[derive(Clone, Debug)]
 pub struct Param {
     kind: String,
     name: String,
-    values: Values,
+    /// The values: numbers, or else words.
+    numbers: Vec<f64>,
+    words: Vec<String>,
     at: Place,
     used: Cell<bool>,
 }
@@ -32,7 +28,7 @@ pub struct Params {
     /// The directive with its kind: "Shape sphere".
     pub title: String,
     pub at: Place,
-    all: Vec<Param>,
+    pub all: Vec<Param>,
 }
 
 /// A colour as lights and materials take it.
@@ -54,20 +50,21 @@ pub fn unit(colour: Colour) -> Colour {
 
 impl Params {
     /// Reads the parameters that come next.
-    pub fn read(title: String, at: Place, tokens: &mut Tokens<'_>) -> tokens::Result<Params> {
+    pub fn read(title: String, at: Place, tokens: &mut Tokens<'_>) -> Result<Params> {
         let mut all: Vec<Param> = Vec::new();
         while let Some(Token::Text(declared)) = tokens.peek()? {
             tokens.next()?;
             let at = tokens.place();
             let mut words = declared.split_ascii_whitespace();
             let (Some(kind), Some(name), None) = (words.next(), words.next(), words.next()) else {
-                return Err(Failure::at(&at, &title, format!("expected \"type name\", found {}", quote(declared))));
+                return Err(tokens.broken(&title, format!("expected \"type name\", found {}", quote(declared))));
             };
             if all.iter().any(|known| known.name == name) {
-                return Err(Failure::at(&at, &title, format!("{name} is given twice")));
+                return Err(tokens.broken(&title, format!("{name} is given twice")));
             }
-            let values = values(&format!("{title}.{name}"), tokens)?;
-            all.push(Param { kind: kind.to_owned(), name: name.to_owned(), values, at, used: Cell::new(false) });
+            let (numbers, words) = values(&format!("{title}.{name}"), tokens)?;
+            let (kind, name) = (kind.to_owned(), name.to_owned());
+            all.push(Param { kind, name, numbers, words, at, used: Cell::new(false) });
         }
         Ok(Params { title, at, all })
     }
@@ -75,22 +72,22 @@ impl Params {
     /// Takes spectra of files into the parameters that name them. `resolve` gives the path of a file.
     pub fn with_files(mut self, mut resolve: impl FnMut(&str, &Place) -> PathBuf) -> Result<Params> {
         for param in self.all.iter_mut().filter(|param| param.kind == "spectrum") {
-            if let Values::Words(words) = &param.values
-                && let [file] = &words[..]
+            if let [file] = &param.words[..]
                 && file.ends_with(".spd")
             {
                 let pairs = spectrum::pairs_of_file(&resolve(file, &param.at));
                 let what = format!("{}.{}", self.title, param.name);
                 let pairs = pairs.map_err(|reason| param.at.error(&what, reason))?;
-                param.values = Values::Numbers(pairs.into_iter().flat_map(|(at, value)| [at, value]).collect());
+                param.numbers = pairs.into_iter().flat_map(|(at, value)| [at, value]).collect();
+                param.words.clear();
             }
         }
         Ok(self)
     }
 
     /// The parameters with those of a default, where they are not given.
-    pub fn with_defaults(mut self, defaults: &[Param]) -> Params {
-        for default in defaults {
+    pub fn with_defaults(mut self, defaults: Option<&Vec<Param>>) -> Params {
+        for default in defaults.into_iter().flatten() {
             if !self.all.iter().any(|own| own.name == default.name) {
                 // Nobody need ask for a default.
                 default.used.set(true);
@@ -100,18 +97,13 @@ impl Params {
         self
     }
 
-    pub fn into_defaults(self) -> Vec<Param> {
-        self.all
-    }
-
     pub fn error(&self, message: impl Into<String>) -> Error {
         self.at.error(&self.title, message)
     }
 
     /// An error at a parameter, or at the directive if it is not there.
     pub fn error_at(&self, name: &str, message: impl Into<String>) -> Error {
-        let at = self.all.iter().find(|param| param.name == name).map_or(&self.at, |param| &param.at);
-        at.error(&format!("{}.{name}", self.title), message)
+        self.place_of(name).error(&format!("{}.{name}", self.title), message)
     }
 
     pub fn place_of(&self, name: &str) -> &Place {
@@ -121,12 +113,9 @@ impl Params {
     fn find(&self, name: &str, kinds: &[&str]) -> Result<Option<&Param>> {
         let Some(param) = self.all.iter().find(|param| param.name == name) else { return Ok(None) };
         param.used.set(true);
-        match kinds.contains(&param.kind.as_str()) {
-            true => Ok(Some(param)),
-            false => {
-                Err(self.error_at(name, format!("expected the type {}, found {}", kinds.join(" or "), param.kind)))
-            }
-        }
+        let wrong = || format!("expected the type {}, found {}", kinds.join(" or "), param.kind);
+        require(kinds.contains(&param.kind.as_str()), || self.error_at(name, wrong()))?;
+        Ok(Some(param))
     }
 
     pub fn has(&self, name: &str) -> bool {
@@ -153,10 +142,9 @@ impl Params {
     }
 
     pub fn numbers(&self, name: &str, kinds: &[&str]) -> Result<Option<&[f64]>> {
-        match self.find(name, kinds)?.map(|param| &param.values) {
-            None => Ok(None),
-            Some(Values::Numbers(all)) => Ok(Some(all)),
-            Some(Values::Words(_)) => Err(self.error_at(name, "expected numbers")),
+        match self.find(name, kinds)? {
+            Some(param) if !param.words.is_empty() => Err(self.error_at(name, "expected numbers")),
+            found => Ok(found.map(|param| &param.numbers[..])),
         }
     }
 
@@ -191,12 +179,9 @@ impl Params {
     fn tuples<const N: usize>(&self, name: &str, kinds: &[&str]) -> Result<Vec<[f64; N]>> {
         let all = self.numbers(name, kinds)?.unwrap_or_default();
         let (tuples, rest) = all.as_chunks::<N>();
-        match rest.is_empty() {
-            true => Ok(tuples.to_vec()),
-            false => {
-                Err(self.error_at(name, format!("expected {N} numbers for each element, found {} numbers", all.len())))
-            }
-        }
+        let wrong = || format!("expected {N} numbers for each element, found {} numbers", all.len());
+        require(rest.is_empty(), || self.error_at(name, wrong()))?;
+        Ok(tuples.to_vec())
     }
 
     pub fn points(&self, name: &str) -> Result<Vec<DVec3>> {
@@ -213,12 +198,11 @@ impl Params {
     pub fn indices<const N: usize>(&self, name: &str, vertices: usize) -> Result<Vec<[u32; N]>> {
         let all = self.tuples::<N>(name, &["integer"])?;
         let is_known = |x: &f64| x.fract() == 0.0 && (0.0..vertices as f64).contains(x);
-        match all.iter().flatten().find(|x| !is_known(x)) {
-            None => Ok(all.into_iter().map(|group| group.map(|x| x as u32)).collect()),
-            Some(x) => {
-                Err(self.error_at(name, format!("expected indices of vertices from 0 to below {vertices}, found {x}")))
-            }
+        if let Some(x) = all.iter().flatten().find(|x| !is_known(x)) {
+            let message = format!("expected indices of vertices from 0 to below {vertices}, found {x}");
+            return Err(self.error_at(name, message));
         }
+        Ok(all.into_iter().map(|group| group.map(|x| x as u32)).collect())
     }
 
     pub fn word(&self, name: &str) -> Result<Option<&str>> {
@@ -226,18 +210,17 @@ impl Params {
     }
 
     fn word_of(&self, name: &str, kinds: &[&str]) -> Result<Option<&str>> {
-        let Some(param) = self.find(name, kinds)? else { return Ok(None) };
-        match &param.values {
-            Values::Words(words) if words.len() == 1 => Ok(words.first().map(String::as_str)),
-            _ => Err(self.error_at(name, "expected one text in quotes")),
+        match self.find(name, kinds)?.map(|param| &param.words[..]) {
+            None => Ok(None),
+            Some([word]) => Ok(Some(word)),
+            Some(_) => Err(self.error_at(name, "expected one text in quotes")),
         }
     }
 
-    pub fn words(&self, name: &str) -> Result<Vec<&str>> {
-        match self.find(name, &["string"])?.map(|param| &param.values) {
-            None => Ok(Vec::new()),
-            Some(Values::Words(words)) => Ok(words.iter().map(String::as_str).collect()),
-            Some(Values::Numbers(_)) => Err(self.error_at(name, "expected texts in quotes")),
+    pub fn words(&self, name: &str) -> Result<&[String]> {
+        match self.find(name, &["string"])? {
+            Some(param) if !param.numbers.is_empty() => Err(self.error_at(name, "expected texts in quotes")),
+            found => Ok(found.map_or(&[], |param| &param.words)),
         }
     }
 
@@ -261,26 +244,26 @@ impl Params {
 
     pub fn spectrum(&self, name: &str) -> Result<Option<Spectrum>> {
         let Some(param) = self.find(name, &["rgb", "spectrum", "blackbody", "float"])? else { return Ok(None) };
-        Ok(Some(match (param.kind.as_str(), &param.values) {
-            ("rgb", Values::Numbers(all)) if all.len() == 3 => Spectrum::Rgb(Colour::new(all[0], all[1], all[2])),
-            ("rgb", _) => return Err(self.error_at(name, "expected three numbers")),
-            ("float", Values::Numbers(all)) if all.len() == 1 => Spectrum::Rgb(Colour::splat(all[0])),
-            ("blackbody", Values::Numbers(all)) if all.len() == 1 && all[0] > 0.0 => {
-                let light = unit(spectrum::of_black_body(all[0]));
+        Ok(Some(match (param.kind.as_str(), &param.numbers[..], &param.words[..]) {
+            ("rgb", &[r, g, b], _) => Spectrum::Rgb(Colour::new(r, g, b)),
+            ("rgb", ..) => return Err(self.error_at(name, "expected three numbers")),
+            ("float", &[x], _) => Spectrum::Rgb(Colour::splat(x)),
+            ("float", ..) => return Err(self.error_at(name, "expected one number")),
+            ("blackbody", &[kelvins], _) if kelvins > 0.0 => {
+                let light = unit(spectrum::of_black_body(kelvins));
                 Spectrum::Curve { light, surface: light }
             }
-            ("blackbody", _) => return Err(self.error_at(name, "expected one temperature above 0 kelvins")),
-            (_, Values::Words(words)) if words.len() == 1 => Spectrum::Named(words[0].clone()),
-            (_, Values::Numbers(all)) => {
-                let pairs: Vec<(f64, f64)> = all.as_chunks::<2>().0.iter().map(|[at, value]| (*at, *value)).collect();
-                if all.len() % 2 != 0 || !spectrum::rise(&pairs) {
-                    let message = "expected wavelengths that rise, each with its value";
-                    return Err(self.error_at(name, message));
+            ("blackbody", ..) => return Err(self.error_at(name, "expected one temperature above 0 kelvins")),
+            (_, _, [named]) => Spectrum::Named(named.clone()),
+            (_, all, _) => {
+                let (pairs, rest) = all.as_chunks::<2>();
+                let pairs: Vec<(f64, f64)> = pairs.iter().map(|[at, value]| (*at, *value)).collect();
+                if !rest.is_empty() || !spectrum::rise(&pairs) {
+                    return Err(self.error_at(name, "expected one name, or wavelengths that rise, each with its value"));
                 }
                 let (light, surface) = (spectrum::of_pairs(&pairs, true), spectrum::of_pairs(&pairs, false));
                 Spectrum::Curve { light: unit(light), surface }
             }
-            _ => return Err(self.error_at(name, "expected one name")),
         }))
     }
 
@@ -306,36 +289,24 @@ impl Params {
     }
 }
 
-/// The value of a parameter: one, or several in brackets.
-fn values(what: &str, tokens: &mut Tokens<'_>) -> tokens::Result<Values> {
+/// The numbers or the words of a parameter: one, or several in brackets.
+fn values(what: &str, tokens: &mut Tokens<'_>) -> Result<(Vec<f64>, Vec<String>)> {
     let expected = "a value, or several in brackets";
     let first = tokens.expect(what, expected)?;
     let is_list = first == Token::Open;
     let mut token = if is_list { tokens.expect(what, "]")? } else { first };
     let (mut numbers, mut words) = (Vec::new(), Vec::new());
-    while token != Token::Close {
-        match token {
-            Token::Text(text) => words.push(text.to_owned()),
-            Token::Word(word @ ("true" | "false")) => words.push(word.to_owned()),
-            _ => match number_of(token) {
-                Some(number) => numbers.push(number),
-                None => {
-                    let message = format!("expected {expected}, found {}", token.words());
-                    return Err(Failure::at(&tokens.place(), what, message));
-                }
-            },
+    while token != Token::Close || !is_list {
+        match (token, number_of(token)) {
+            (_, Some(number)) => numbers.push(number),
+            (Token::Text(word) | Token::Word(word @ ("true" | "false")), _) => words.push(word.to_owned()),
+            _ => return Err(tokens.broken(what, format!("expected {expected}, found {}", token.words()))),
         }
         if !is_list {
             break;
         }
         token = tokens.expect(what, "]")?;
     }
-    match (words.is_empty(), numbers.is_empty()) {
-        (false, false) => Err(Failure::at(&tokens.place(), what, "expected numbers or texts, found both")),
-        (false, true) => Ok(Values::Words(words)),
-        (true, _) if !is_list && numbers.is_empty() => {
-            Err(Failure::at(&tokens.place(), what, format!("expected {expected}, found ]")))
-        }
-        (true, _) => Ok(Values::Numbers(numbers)),
-    }
+    require(words.is_empty() || numbers.is_empty(), || tokens.broken(what, "expected numbers or texts, found both"))?;
+    Ok((numbers, words))
 }

@@ -8,7 +8,7 @@ use glam::{DAffine3, DVec2, DVec3};
 
 use super::params::{Param, Params};
 use crate::scene::file::OnProgress;
-use crate::scene::imported::bodies::Body;
+use crate::scene::imported::files::Includes;
 use crate::scene::imported::surface::Medium;
 use crate::scene::imported::{Imported, Place};
 use crate::scene::types::*;
@@ -94,16 +94,15 @@ pub struct Reader<'a, 'p> {
     pub textures: HashMap<(bool, String), (Texture, Mapping)>,
     /// The mapping of the textures that a surface has so far.
     pub mapping: Option<Mapping>,
-    /// The shapes that may be inside of others, or around them.
-    pub bodies: Vec<Body>,
-    /// The camera, unless it names the medium around it.
-    pub camera: Option<(Place, String, DVec3)>,
+    /// The camera, which needs the film.
+    pub camera: Option<(String, Params, DAffine3)>,
+    /// The states that are kept, and where.
+    pub states: Vec<(State, Place)>,
+    pub includes: Includes,
     pub media: HashMap<String, (Medium, Place)>,
     pub definitions: HashMap<String, Rc<Definition>>,
     /// The object that is being defined.
     pub definition: Option<Definition>,
-    /// The materials and mappings of shapes, by their look, area light and alpha.
-    pub known: HashMap<(usize, Option<usize>, String), On>,
     pub film: Film,
 }
 
@@ -128,12 +127,12 @@ impl<'a, 'p> Reader<'a, 'p> {
             areas: Vec::new(),
             textures: HashMap::new(),
             mapping: None,
-            bodies: Vec::new(),
             camera: None,
+            states: Vec::new(),
+            includes: Includes::new(path),
             media: HashMap::new(),
             definitions: HashMap::new(),
             definition: None,
-            known: HashMap::new(),
             film: Film { width: 1280.0, height: 720.0, crop: [0.0, 1280.0, 0.0, 720.0], scale: 1.0 },
         }
     }

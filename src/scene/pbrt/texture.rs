@@ -6,53 +6,53 @@ use glam::DVec2;
 
 use super::params::Params;
 use super::reader::{AS_THEY_ARE, Mapping, Reader};
-use crate::bitmap::{Channel, Decoding, from_srgb};
-use crate::error::Result;
+use crate::bitmap::{Channel, from_srgb};
+use crate::error::{Result, require};
 use crate::printable::quote;
 use crate::scene::gltf_path::has_ending;
-use crate::scene::imported::Part;
+use crate::scene::imported::Pattern;
 use crate::scene::types::*;
 
-/// The texture of a directive.
+/// The texture of a directive, with its mapping.
 pub fn texture(kind: &str, is_colour: bool, params: &Params, reader: &mut Reader) -> Result<(Texture, Mapping)> {
-    reader.mapping = None;
-    let one = |name: &str, default: f64, reader: &mut Reader| part(params, name, default, is_colour, reader);
+    // Each texture that it is made of may have a mapping of its own.
+    let inner = |name: &str, default: f64, is_colour: bool, reader: &mut Reader| {
+        reader.mapping = None;
+        let own = part(params, name, default, is_colour, reader)?;
+        Ok((own, reader.mapping.take().unwrap_or(AS_THEY_ARE)))
+    };
     let found = match kind {
-        "constant" => one("value", 1.0, reader)?,
+        "constant" => inner("value", 1.0, is_colour, reader)?,
         "scale" => {
-            let (texture, scale) = (one("tex", 1.0, reader)?, part(params, "scale", 1.0, false, reader)?);
-            match scale.plain() {
-                Some(scale) => texture.map(|colour| scale.x * colour),
-                None => baked(params, is_colour, [texture, scale], |[colour, scale]| scale * colour, reader)?,
+            let (own, scale) = (inner("tex", 1.0, is_colour, reader)?, inner("scale", 1.0, false, reader)?);
+            match scale.0.plain() {
+                Some(scale) => (own.0.map(|colour| scale.x * colour), own.1),
+                None => made_of(params, is_colour, [own, scale], |[colour, scale]| scale * colour, reader)?,
             }
         }
         "mix" => {
-            let (a, b) = (one("tex1", 0.0, reader)?, one("tex2", 1.0, reader)?);
-            let parts = [a, b, part(params, "amount", 0.5, false, reader)?];
-            baked(params, is_colour, parts, |[a, b, amount]| a + amount * (b - a), reader)?
+            let (a, b) = (inner("tex1", 0.0, is_colour, reader)?, inner("tex2", 1.0, is_colour, reader)?);
+            let parts = [a, b, inner("amount", 0.5, false, reader)?];
+            made_of(params, is_colour, parts, |[a, b, amount]| a + amount * (b - a), reader)?
         }
         "checkerboard" => {
-            if params.integer_or("dimension", 2)? != 2 {
-                return Err(params.error_at("dimension", "expected 2: others are not read"));
-            }
-            let wrong = |name| move || params.error_at(name, "a texture in a checkerboard is not read");
-            let mut plain = |name, default| one(name, default, reader)?.plain().ok_or_else(wrong(name));
-            Texture::Checker { scale: 0.5, even: plain("tex1", 1.0)?, odd: plain("tex2", 0.0)?, uv: true }
+            let is_flat = params.integer_or("dimension", 2)? == 2;
+            require(is_flat, || params.error_at("dimension", "expected 2: others are not read"))?;
+            let (a, b) = (inner("tex1", 1.0, is_colour, reader)?, inner("tex2", 0.0, is_colour, reader)?);
+            // Texture coordinates repeat at 1, where two squares have passed.
+            let squares = mapping(params)?.map(|part| 0.5 * part);
+            let is_b = Texture::Checker { scale: 0.5, even: Colour::ZERO, odd: Colour::ONE, uv: true };
+            let of = |[a, b, is_b]: [Colour; 3]| a * (1.0 - is_b) + b * is_b;
+            made_of(params, is_colour, [a, b, (is_b, squares)], of, reader)?
         }
-        "imagemap" => image_map(is_colour, params, reader)?,
+        "imagemap" => (image_map(is_colour, params, reader)?, mapping(params)?),
         _ => {
             let message = "this texture is not read: expected constant, scale, mix, checkerboard or imagemap";
             return Err(params.error(message));
         }
     };
-    let own = match kind {
-        "imagemap" => Some(mapping(params)?),
-        // Texture coordinates repeat at 1, where two squares have passed.
-        "checkerboard" => Some(mapping(params)?.map(|part| 0.5 * part)),
-        _ => None,
-    };
     reader.end(params);
-    Ok((found, own.or(reader.mapping.take()).unwrap_or(AS_THEY_ARE)))
+    Ok(found)
 }
 
 /// The image of a file. A number is its alpha where that is not 1 everywhere, as pbrt has it, or the mean of its channels.
@@ -113,8 +113,7 @@ fn image_map(is_colour: bool, params: &Params, reader: &mut Reader) -> Result<Te
     Ok(if inverts { own } else { own.map(|tint| scale * tint) })
 }
 
-/// A texture whose values are `of` those of others: where they are images, an image that no file has. pbrt takes `of` what it interpolates between texels,
-/// which is the same unless an image is multiplied by the last one.
+/// A texture whose values are `of` those of others, which have one mapping.
 pub fn baked<const N: usize>(
     params: &Params,
     is_colour: bool,
@@ -122,36 +121,89 @@ pub fn baked<const N: usize>(
     of: impl Fn([Colour; N]) -> Colour,
     reader: &mut Reader,
 ) -> Result<Texture> {
-    let mut sources: [Part; N] = std::array::from_fn(|_| (None, Colour::ZERO));
-    for (source, part) in sources.iter_mut().zip(&parts) {
-        *source = match (part, part.plain()) {
-            (_, Some(colour)) => (None, colour),
-            (Texture::Image { path, tint, channel, .. }, _) => {
-                let image = reader.made.image(path, channel.map_or(Decoding::Colour, Channel::decoding));
-                (Some(image.map_err(|reason| params.error(format!("{path}: {reason}")))?), *tint)
-            }
-            _ => return Err(params.error("a checkerboard in it is not read")),
-        };
+    let (found, _) = made_of(params, is_colour, parts.map(|part| (part, AS_THEY_ARE)), of, reader)?;
+    Ok(found)
+}
+
+/// A texture whose values are `of` those of others, with its mapping. Where they are images, or differ in their mappings, it is an image that no file has.
+/// pbrt takes `of` what it interpolates between texels, which is the same unless an image is multiplied by the last one, or by squares.
+fn made_of<const N: usize>(
+    params: &Params,
+    is_colour: bool,
+    parts: [(Texture, Mapping); N],
+    of: impl Fn([Colour; N]) -> Colour,
+    reader: &mut Reader,
+) -> Result<(Texture, Mapping)> {
+    let varying = parts.iter().filter(|(part, _)| part.needs_uv());
+    let (images, squares): (Vec<_>, Vec<_>) = varying.partition(|(part, _)| part.decoded().is_some());
+    let varying: Vec<&(Texture, Mapping)> = images.iter().chain(&squares).copied().collect();
+    let mappings: Vec<Mapping> = varying.iter().map(|(_, own)| *own).collect();
+    let (images, has_squares) = (images.len(), !squares.is_empty());
+    let first = mappings.first().copied().unwrap_or(AS_THEY_ARE);
+    if images == 0 && mappings.iter().all(|own| *own == first) {
+        let colours = |is_odd: bool| parts.each_ref().map(|(part, _)| of_square(part, is_odd));
+        let (even, odd) = (of(colours(false)), of(colours(true)));
+        let squares = Texture::Checker { scale: 0.5, even, odd, uv: true };
+        return Ok((if has_squares { squares } else { even.into() }, first));
     }
-    let mut images = parts.iter().zip(&sources).filter_map(|(part, (image, _))| Some((part.wrap(), image.as_ref()?)));
-    let Some((wrap, first)) = images.next() else { return Ok(of(sources.map(|(_, colour)| colour)).into()) };
-    if images.clone().any(|(other, _)| other != wrap) {
-        return Err(params.error("expected one wrap of all its images"));
+    let wrap = varying.first().map_or(Wrap::Repeat, |(part, _)| part.wrap());
+    let repeats = |(part, own): &&(Texture, Mapping)| part.wrap() == wrap && (wrap == Wrap::Repeat || *own == first);
+    let wraps = "expected one wrap of all its images: repeat, if they are in a checkerboard or of different mappings";
+    require(varying.iter().all(repeats), || params.error(wraps))?;
+    let wrong = "expected a uscale and a vscale whose ratio to those of its textures is a number such as 8, 1/2 or 3/2, in parts of 1/16 at least";
+    let over = common(&mappings).ok_or_else(|| params.error(wrong))?;
+    let mut sources = parts.map(|(texture, own)| {
+        let scale = (own[0] / over[0]).round();
+        Pattern { texture, bitmap: None, mapping: [scale, own[1] - scale * over[1]] }
+    });
+    for part in &mut sources {
+        if let Some((path, decoding)) = part.texture.decoded() {
+            let image = reader.made.image(path, decoding);
+            part.bitmap = Some(image.map_err(|reason| params.error(format!("{path}: {reason}")))?);
+        }
     }
-    if images.clone().any(|(_, other)| (other.width, other.height) != (first.width, first.height)) {
-        reader.lose(params, "", "its images have different sizes: here all have that of the largest");
+    let mut texels = sources.iter().filter_map(|part| Some((part.texels()?, part.mapping[1])));
+    let largest = texels.next();
+    if texels.any(|own| Some(own) != largest) {
+        reader.lose(params, "", "its images have different sizes or shifts: here all have the texels of one");
     }
-    if images.next().is_some() && sources.last().is_some_and(|(image, _)| image.is_some()) {
+    if has_squares {
+        reader.lose(params, "", "the edges of its squares are a texel wide here");
+    }
+    if images > 1 && sources.last().is_some_and(|part| part.bitmap.is_some()) {
         reader.lose(params, "", "its images are multiplied at texels here: between them it differs");
     }
-    let path = reader.made.add_image(&sources, wrap, of).map_err(|reason| params.error(reason))?;
-    Ok(Texture::Image { path, tint: Colour::ONE, channel: (!is_colour).then_some(Channel::R), uv_set: 0, wrap })
+    let path = reader.made.add_image(&sources, of).map_err(|reason| params.error(reason))?;
+    let channel = (!is_colour).then_some(Channel::R);
+    Ok((Texture::Image { path, tint: Colour::ONE, channel, uv_set: 0, wrap }, over))
+}
+
+/// The colour of a texture in a square.
+fn of_square(texture: &Texture, is_odd: bool) -> Colour {
+    match texture {
+        Texture::Checker { odd, .. } if is_odd => *odd,
+        Texture::Checker { even, .. } => *even,
+        other => other.plain().unwrap_or_default(),
+    }
+}
+
+/// The mapping of an image in which textures of these mappings are complete, each a whole number of times. It begins where the first does.
+fn common(all: &[Mapping]) -> Option<Mapping> {
+    let mut found = AS_THEY_ARE;
+    let first = all.first()?;
+    for axis in 0..2 {
+        let least = all.iter().map(|own| own[0][axis]).min_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+        let is_whole = |ratio: f64| (ratio - ratio.round()).abs() <= 1e-6;
+        let fits = |scale: &f64| all.iter().all(|own| is_whole(own[0][axis] / scale));
+        let scale = (1..=16).map(|parts| least / f64::from(parts)).find(fits)?;
+        (found[0][axis], found[1][axis]) = (scale, first[1][axis] / (first[0][axis] / scale).round());
+    }
+    Some(found)
 }
 
 fn mapping(params: &Params) -> Result<Mapping> {
-    if params.word("mapping")?.is_some_and(|mapping| mapping != "uv") {
-        return Err(params.error_at("mapping", "expected uv: other mappings are not read"));
-    }
+    let is_uv = params.word("mapping")?.is_none_or(|mapping| mapping == "uv");
+    require(is_uv, || params.error_at("mapping", "expected uv: other mappings are not read"))?;
     let both = |u: &str, v: &str, usual| Ok(DVec2::new(params.number_or(u, usual)?, params.number_or(v, usual)?));
     Ok([both("uscale", "vscale", 1.0)?, both("udelta", "vdelta", 0.0)?])
 }

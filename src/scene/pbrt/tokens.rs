@@ -3,30 +3,9 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::printable::quote;
 use crate::scene::imported::Place;
-
-/// Why a directive was not run: by itself, or by its notation, behind which a file cannot be read on.
-pub enum Failure {
-    OfDirective(Error),
-    OfNotation(Error),
-}
-
-impl Failure {
-    /// One of the notation.
-    pub fn at(place: &Place, what: &str, message: impl Into<String>) -> Failure {
-        Failure::OfNotation(place.error(what, message))
-    }
-}
-
-impl From<Error> for Failure {
-    fn from(error: Error) -> Failure {
-        Failure::OfDirective(error)
-    }
-}
-
-pub type Result<T> = std::result::Result<T, Failure>;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Token<'t> {
@@ -57,11 +36,13 @@ pub struct Tokens<'t> {
     line_start: usize,
     /// The begin of the latest token: its line, where that begins, and its own byte.
     begin: (u32, usize, usize),
+    /// Whether the notation was wrong, so that the file cannot be read on.
+    pub is_broken: bool,
 }
 
 impl<'t> Tokens<'t> {
     pub fn new(file: &Path, text: &'t str) -> Tokens<'t> {
-        Tokens { file: file.into(), text, at: 0, line: 1, line_start: 0, begin: (1, 0, 0) }
+        Tokens { file: file.into(), text, at: 0, line: 1, line_start: 0, begin: (1, 0, 0), is_broken: false }
     }
 
     /// The place of the latest token.
@@ -69,6 +50,12 @@ impl<'t> Tokens<'t> {
         let (line, line_start, at) = self.begin;
         let before = self.text.get(line_start..at).unwrap_or_default();
         Place { file: Arc::clone(&self.file), line, column: before.chars().count() as u32 + 1 }
+    }
+
+    /// An error of the notation, at the latest token.
+    pub fn broken(&mut self, what: &str, message: impl Into<String>) -> Error {
+        self.is_broken = true;
+        self.place().error(what, message)
     }
 
     fn skip_space(&mut self) {
@@ -111,13 +98,9 @@ impl<'t> Tokens<'t> {
             b'"' => {
                 let inner = rest.get(1..).unwrap_or_default();
                 let end = inner.find(['"', '\n', '\\']).filter(|end| inner.as_bytes().get(*end) == Some(&b'"'));
-                let end = end.ok_or_else(|| {
-                    Failure::at(
-                        &self.place(),
-                        "text",
-                        "expected a \" at its end in the same line, and no \\ before that",
-                    )
-                })?;
+                let Some(end) = end else {
+                    return Err(self.broken("text", "expected a \" at its end in the same line, and no \\ before that"));
+                };
                 (Token::Text(inner.get(..end).unwrap_or_default()), end + 2)
             }
             _ => {
@@ -131,14 +114,16 @@ impl<'t> Tokens<'t> {
 
     /// The next token, which must be there.
     pub fn expect(&mut self, what: &str, expected: &str) -> Result<Token<'t>> {
-        self.next()?
-            .ok_or_else(|| Failure::at(&self.place(), what, format!("expected {expected}, found the end of the file")))
+        match self.next()? {
+            Some(token) => Ok(token),
+            None => Err(self.broken(what, format!("expected {expected}, found the end of the file"))),
+        }
     }
 
     pub fn text(&mut self, what: &str, expected: &str) -> Result<&'t str> {
         match self.expect(what, expected)? {
             Token::Text(text) => Ok(text),
-            other => Err(Failure::at(&self.place(), what, format!("expected {expected}, found {}", other.words()))),
+            other => Err(self.broken(what, format!("expected {expected}, found {}", other.words()))),
         }
     }
 
@@ -152,12 +137,13 @@ impl<'t> Tokens<'t> {
         for number in &mut all {
             let expected = format!("{N} numbers");
             let token = self.expect(what, &expected)?;
-            *number = number_of(token).ok_or_else(|| {
-                Failure::at(&self.place(), what, format!("expected {expected}, found {}", token.words()))
-            })?;
+            *number = match number_of(token) {
+                Some(found) => found,
+                None => return Err(self.broken(what, format!("expected {expected}, found {}", token.words()))),
+            };
         }
         if is_bracketed && self.expect(what, "]")? != Token::Close {
-            return Err(Failure::at(&self.place(), what, format!("expected ] behind {N} numbers")));
+            return Err(self.broken(what, format!("expected ] behind {N} numbers")));
         }
         Ok(all)
     }
