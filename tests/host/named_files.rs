@@ -13,10 +13,11 @@ const FOLDERS: [&str; 8] = ["benches", "blender", "docs", "python", "scenes", "s
 const ENDINGS: [&str; 8] = ["exr", "glb", "gltf", "md", "py", "ron", "rs", "wgsl"];
 
 /// Names that are not of the checkout: of files that a test makes itself, of examples, and of files that are to be missing.
-const NOT_OF_THE_CHECKOUT: [&str; 36] = [
+const NOT_OF_THE_CHECKOUT: [&str; 37] = [
     "aov/distance_of_hit",
     "data/thing",
     "docs/gpu-NAME.md",
+    "docs/walks-NAME.md",
     "lib/nothing",
     "lobe/dust",
     "material/retroreflector",

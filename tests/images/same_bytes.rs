@@ -108,7 +108,7 @@ fn parts_do_not_show_with_sobol_points() {
     assert!(joined([&parts[0].film, &parts[1].film]) == usual.film);
 }
 
-/// Both walks take the same steps with the same stack: through small meshes that move, bound media and lie in cuts of `best`, and through a large one.
+/// Both walks take the same steps with the same stack: through small meshes, one of them around a medium, in trees of `best`; and through a large one.
 #[test]
 fn walks_do_not_show() {
     let (_files, everything) = everything();
@@ -121,7 +121,7 @@ fn walks_do_not_show() {
         // The trees are others.
         let flat = |request: &Request| flatten(&scene, (48, 27), &request.options).expect("the scene flattens");
         let (coded, beside) = (flat(&request), flat(&other));
-        assert!(coded.face_pairs.len() > 10 && beside.face_pairs.is_empty());
+        assert!(!coded.face_pairs.is_empty() && beside.face_pairs.is_empty());
         assert!(beside.nodes.len() >= coded.nodes.len() + coded.face_pairs.len());
         let stacks =
             |flat: &DeviceScene| (flat.features.quantities.stack_size, flat.features.quantities.boundary_stack_size);

@@ -137,6 +137,7 @@ impl Facets {
             distribution,
         }
     }
+
     /// A conductor of these facets, and of the usual index.
     pub fn conductor(self) -> Conductor {
         Conductor {
