@@ -224,7 +224,8 @@ impl Reader<'_, '_> {
             "MakeNamedMaterial" | "MakeNamedMedium" => (false, ""),
             _ => (true, ""),
         };
-        if is_option == self.in_world {
+        // The camera may stand in a medium, so that these have names on both sides.
+        if word != "MakeNamedMedium" && is_option == self.in_world {
             let side = if is_option { "before" } else { "after" };
             return Err(params.error(format!("expected it {side} WorldBegin")));
         }
@@ -300,7 +301,10 @@ impl Reader<'_, '_> {
                 let name = tokens.text(word, "its name")?;
                 require(name == "srgb", || at.error(word, format!("expected srgb, found {}", quote(name))))?;
             }
-            "Option" => _ = Params::read(word.to_owned(), at.clone(), tokens)?,
+            "Option" => {
+                tokens.text(word, "its name")?;
+                tokens.expect(word, "its value")?;
+            }
             "WorldEnd" => {}
             "TransformTimes" => _ = tokens.numbers::<2>(word)?,
             "ActiveTransform" => {

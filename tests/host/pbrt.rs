@@ -152,6 +152,25 @@ fn a_scene_is_that_of_the_scene_file() {
     }
 }
 
+/// Options have values without brackets, media have names before the world too, and the faces that Ptex numbers are no others.
+#[test]
+fn files_of_exporters_are_read() {
+    let medium = r#"MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [1 1 1] "rgb sigma_s" [2 2 2]"#;
+    let shapes = |numbers: &str| {
+        format!(
+            r#"MediumInterface "fog" "" Material "interface" Shape "sphere" MediumInterface "" "" Material "diffuse"
+            Shape "trianglemesh" "point3 P" [0 0 3 1 0 3 0 1 3] "integer indices" [0 1 2] {numbers}"#
+        )
+    };
+    let before =
+        format!(r#"Option "seed" 42 Option "bool wavefront" true Option "msereferenceout" "a.txt" {medium} {VIEW}"#);
+    let before = read(&(before + &shapes("\"integer faceIndices\" [7]"))).expect("it is read");
+    let after = read(&format!("{VIEW}{medium} {}", shapes(""))).expect("it is read");
+    assert_eq!(format!("{:?}", before.objects), format!("{:?}", after.objects));
+    assert_eq!((before.objects.len(), before.warnings().len()), (2, after.warnings().len()));
+    assert!(error(&[("a.pbrt", b"Option \"seed\"")]).contains("expected its value"));
+}
+
 #[test]
 fn errors_have_places() {
     for (directives, expected) in [

@@ -321,7 +321,7 @@ fn placed(mesh: &mut Mesh, by: &DAffine3, is_reversed: bool, mapping: Option<Map
 
 /// A mesh of faces with K corners, each split into triangles. `usual`: the texture coordinates of corners that the file gives none.
 fn faces<const K: usize>(params: &Params, usual: [Vec2; K], split: &[[usize; 3]], is_textured: bool) -> Result<Mesh> {
-    params.ignore(&["S"]);
+    params.ignore(&["S", "faceIndices"]);
     let mut positions = params.points("P")?;
     require(!positions.is_empty(), || params.error("expected the points P of its vertices"))?;
     let mut faces = params.indices::<K>("indices", positions.len())?;
