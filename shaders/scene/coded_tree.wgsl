@@ -22,7 +22,7 @@ fn visited_pair(visited: Visited) -> FacePair {
     return face_pairs[primitive_index(visited)];
 }
 
-// What names the children of the node that is visited.
+// A node's own code names its children.
 fn children_of(code: u32, visited: Visited, in_mesh: bool) -> u32 {
     return code;
 }

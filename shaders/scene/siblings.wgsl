@@ -5,7 +5,7 @@
 
 alias Visited = Node;
 
-// What is read at the code of a primitive is not used.
+// The code of a primitive reads an element that nobody uses.
 fn visit(code: u32) -> Visited {
     return nodes[select(code, 0u, (code & PRIMITIVE_BIT) != 0u)];
 }
