@@ -158,7 +158,7 @@ impl DeviceScene {
         root
     }
 
-    /// Appends them with the children of a node beside each other: nodes, and pairs in place of nodes (shaders/scene/siblings). A node names the
+    /// Appends the same with the children of a node beside each other: nodes, and pairs in place of nodes (shaders/scene/siblings). A node names the
     /// first of its children. Returns the place of the root.
     pub(super) fn add_siblings(&mut self, bvh: &Bvh, pairs: &[data::FacePair]) -> u32 {
         let root = self.nodes.len();
@@ -173,7 +173,10 @@ impl DeviceScene {
                     self.nodes.resize(begin + node.grid[3].to_be_bytes()[0] as usize, data::Node::default());
                     data::Node { children: [begin as u32, 0, 0, 0], ..*node }
                 }
-                _ => bytemuck::cast(pairs[(code ^ primitive_code(KIND_TRIANGLE, 0)) as usize]),
+                _ => {
+                    let pair = pairs.get((code ^ primitive_code(KIND_TRIANGLE, 0)) as usize);
+                    bytemuck::cast(pair.copied().unwrap_or_default())
+                }
             };
         }
         root as u32
