@@ -5,6 +5,9 @@
 //! `gpu --program PATH [--tests PATH]... [--device SPEC] [--seconds N] [--out DIR]`, in the root of the repository. It needs no compiler and no
 //! network: `make gpu-kit` packs what it runs.
 
+#[path = "common/names.rs"]
+mod names;
+
 use std::error::Error;
 use std::fmt::Write as _;
 use std::fs;
@@ -13,6 +16,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use gpu_rt::output::exr::read_exr;
+use names::file_name;
 use serde_json::{Value, json};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
@@ -320,16 +324,6 @@ fn advice(renders: &[Rendered], is_software: bool) -> Vec<String> {
         }
     }
     all
-}
-
-/// The letters and digits of a device's name, for a file.
-fn file_name(name: &str) -> String {
-    let words: Vec<String> = name
-        .split(|c: char| !c.is_ascii_alphanumeric())
-        .filter(|word| !word.is_empty())
-        .map(str::to_lowercase)
-        .collect();
-    words.join("-")
 }
 
 fn document(report: &Value, renders: &[Rendered]) -> String {

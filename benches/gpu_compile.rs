@@ -50,6 +50,9 @@ const DOCUMENT: &str = "docs/dev/gpu-kernels.md";
 const BEGIN: &str = "## Figures\n";
 /// A figure that grows by more than this factor is a fault.
 const GROWTH: f64 = 1.05;
+/// The options of the process that compiles: with the second one it writes the kernels' code beside them, which takes longer.
+const COMPILE: &str = "--compile";
+const SHOW: &str = "--compile-and-show";
 /// Invocations of a workgroup, as by default.
 const WORKGROUP: f64 = 64.0;
 
@@ -111,8 +114,8 @@ fn main() -> Result<()> {
         [] => check(),
         [option, name] if option == "--variant" => compare(variant(name)?, name),
         [option, folder, name] if option == "--isa" => walks(variant(name)?, Path::new(folder)),
-        [option, folder] if option == "--compile" => {
-            println!("{}", compile_all(Path::new(folder))?);
+        [option, folder] if [COMPILE, SHOW].contains(&option.as_str()) => {
+            println!("{}", compile_all(Path::new(folder), option == SHOW)?);
             Ok(())
         }
         _ => Err("expected no arguments".into()),
@@ -152,7 +155,7 @@ fn walks(variant: Variant, into: &Path) -> Result<()> {
     kernels.push(chase(variant)?);
     let numbers = written(&kernels, folder.path())?;
     for family in &FAMILIES {
-        let (_, figures) = compiled_for(family.name, folder.path())?;
+        let (_, figures) = compiled_for(family.name, folder.path(), SHOW)?;
         for (kernel, number) in kernels.iter().zip(&numbers).skip(1) {
             let name = format!("{}-{}", family.name, kernel.key.0);
             let of = |head: &str| figures.get(*number).map_or(0, |own| own.get(head));
@@ -177,7 +180,7 @@ fn compare(variant: Variant, name: &str) -> Result<()> {
             let folder = tempfile::tempdir()?;
             let kernels = kernels(variant)?;
             let numbers = written(&kernels, folder.path())?;
-            let (_, figures) = compiled_for(family.name, folder.path())?;
+            let (_, figures) = compiled_for(family.name, folder.path(), COMPILE)?;
             Ok(numbers.into_iter().skip(1).filter_map(|number| figures.get(number).cloned()).collect())
         };
         let (usual, other) = (of(Variant::Usual)?, of(variant)?);
@@ -233,7 +236,7 @@ fn check() -> Result<()> {
     let mut lines = format!("GPU\tscene\t--scatter\tkernel\t{}\n", FIGURES.map(|(_, head)| head).join("\t"));
     for family in &FAMILIES {
         let name = family.name;
-        let (driver, figures) = compiled_for(name, folder.path())?;
+        let (driver, figures) = compiled_for(name, folder.path(), COMPILE)?;
         let mut table = Table::new();
         for (kernel, number) in kernels.iter().zip(&numbers) {
             let own = figures.get(*number).ok_or("the driver left out a kernel")?;
@@ -478,10 +481,10 @@ fn validate(path: &Path, key: &Key) -> Result<()> {
 }
 
 /// Compiles the kernels of a folder for a GPU, in a process of its own: RADV reads the GPU's name from the environment.
-fn compiled_for(family: &str, folder: &Path) -> Result<(String, Vec<Figures>)> {
+fn compiled_for(family: &str, folder: &Path, option: &str) -> Result<(String, Vec<Figures>)> {
     let manifest = manifest()?;
     let output = Command::new(std::env::current_exe()?)
-        .arg("--compile")
+        .arg(option)
         .arg(folder)
         .env("RADV_FORCE_FAMILY", family)
         .env("VK_DRIVER_FILES", &manifest)
@@ -527,7 +530,7 @@ fn manifest() -> Result<PathBuf> {
 }
 
 /// Compiles the kernels of a folder for the GPU of the environment. The driver and each kernel's statistics as JSON.
-fn compile_all(folder: &Path) -> Result<Value> {
+fn compile_all(folder: &Path, shows_code: bool) -> Result<Value> {
     let index: Value = serde_json::from_slice(&fs::read(folder.join("index.json"))?)?;
     // SAFETY: every call gets what Vulkan 1.3 asks for, and what it makes lives until the process ends.
     unsafe {
@@ -579,7 +582,7 @@ fn compile_all(folder: &Path) -> Result<Value> {
 
         let mut kernels = Vec::new();
         for kernel in index.as_array().into_iter().flatten() {
-            kernels.push(statistics_of(&device, &executables, kernel)?);
+            kernels.push(statistics_of(&device, &executables, kernel, shows_code)?);
         }
         Ok(json!({"driver": driver, "kernels": kernels}))
     }
@@ -618,6 +621,7 @@ unsafe fn statistics_of(
     device: &ash::Device,
     executables: &ash::khr::pipeline_executable_properties::Device,
     kernel: &Value,
+    shows_code: bool,
 ) -> Result<Value> {
     let path = Path::new(kernel["file"].as_str().unwrap_or_default());
     let bytes = fs::read(path)?;
@@ -644,18 +648,18 @@ unsafe fn statistics_of(
             .stage(vk::ShaderStageFlags::COMPUTE)
             .module(module)
             .name(&entry_point);
-        let pipeline = vk::ComputePipelineCreateInfo::default()
-            .flags(
-                vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR
-                    | vk::PipelineCreateFlags::CAPTURE_INTERNAL_REPRESENTATIONS_KHR,
-            )
-            .layout(layout)
-            .stage(stage);
+        let mut flags = vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR;
+        if shows_code {
+            flags |= vk::PipelineCreateFlags::CAPTURE_INTERNAL_REPRESENTATIONS_KHR;
+        }
+        let pipeline = vk::ComputePipelineCreateInfo::default().flags(flags).layout(layout).stage(stage);
         let pipelines = device.create_compute_pipelines(vk::PipelineCache::null(), &[pipeline], None);
         let pipelines = pipelines.map_err(|(_, error)| error)?;
         let [pipeline] = pipelines[..] else { return Err("expected one pipeline".into()) };
         let executable = vk::PipelineExecutableInfoKHR::default().pipeline(pipeline);
-        fs::write(path.with_extension("s"), assembly(executables, &executable)?)?;
+        if shows_code {
+            fs::write(path.with_extension("s"), assembly(executables, &executable)?)?;
+        }
         let mut found = serde_json::Map::new();
         for statistic in executables.get_pipeline_executable_statistics(&executable)? {
             // RADV has unsigned ones only; a number of another kind is not read as one.

@@ -4,6 +4,9 @@
 //!
 //! `walks [--device SPEC] [--seconds N] [--out DIR]`, in the root of the repository.
 
+#[path = "common/names.rs"]
+mod names;
+
 use std::error::Error;
 use std::fmt::Write as _;
 use std::fs;
@@ -19,6 +22,7 @@ use gpu_rt::metrics::error::{RELATIVE_FLOOR, relative_variance, relmse};
 use gpu_rt::options::{RenderOptions, Scatter, Walk};
 use gpu_rt::scene::Scene;
 use gpu_rt::session::Session;
+use names::file_name;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -94,10 +98,8 @@ fn main() -> Result<()> {
     let bench = Bench { device, size, time, scan };
     let judged = SCENES.into_iter().map(|scene| bench.judge(scene)).collect::<Result<Vec<Judged>>>()?;
     let text = document(&bench, &judged);
-    let name: String = bench.device.name.name.to_lowercase();
-    let name: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).collect();
     fs::create_dir_all(&out)?;
-    let path = out.join(format!("walks-{name}.md"));
+    let path = out.join(format!("walks-{}.md", file_name(&bench.device.name.name)));
     fs::write(&path, &text)?;
     println!("{text}\n{} has this.", path.display());
     Ok(())
@@ -152,7 +154,8 @@ impl Bench {
         let (a, b) = (&pictures[0], &pictures[1]);
         let noise = relative_variance(&a.variance, &a.rgb, RELATIVE_FLOOR).ok_or("there is no noise")?;
         let differs = (relmse(&b.rgb, &a.rgb).ok_or("the images have other sizes")? / (2.0 * noise)).sqrt();
-        if differs > if self.device.name.software { 0.0 } else { PARTED } {
+        let most = if self.device.name.software { 0.0 } else { PARTED };
+        if differs > most {
             return Err(format!("{name}: the images differ by {differs:.3} of their noise").into());
         }
         let (mut usual, mut paths, mut rays) = (Vec::new(), Vec::new(), Vec::new());

@@ -82,7 +82,7 @@ pub enum Error {
 
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Refuses what does not hold, by the error that says what is expected.
+/// Returns the error unless the condition holds.
 pub(crate) fn require<E>(holds: bool, error: impl FnOnce() -> E) -> std::result::Result<(), E> {
     match holds {
         true => Ok(()),

@@ -69,7 +69,7 @@ pub fn text(path: &Path, assets: &mut Assets) -> Result<String> {
     })
 }
 
-/// An error of an included file: what is said about all of it stands where it is included.
+/// An error about an included file as a whole stands where the file is included. Others keep their place.
 pub fn where_included(error: Error, at: impl FnOnce(String) -> Error) -> Error {
     match error {
         Error::Scene { location, message, .. } if location.line == 0 => at(message),

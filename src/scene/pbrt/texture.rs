@@ -126,7 +126,7 @@ pub fn baked<const N: usize>(
 }
 
 /// A texture whose values are `of` those of others, with its mapping. Where they are images, or differ in their mappings, it is an image that no file has.
-/// pbrt takes `of` what it interpolates between texels, which is the same unless an image is multiplied by the last one, or by squares.
+/// pbrt interpolates between texels first, and then takes `of`. That is the same unless the last texture or squares multiply an image.
 fn made_of<const N: usize>(
     params: &Params,
     is_colour: bool,
@@ -187,7 +187,7 @@ fn of_square(texture: &Texture, is_odd: bool) -> Colour {
     }
 }
 
-/// The mapping of an image in which textures of these mappings are complete, each a whole number of times. It begins where the first does.
+/// The mapping of an image that holds each of these textures a whole number of times. It begins where the first one does.
 fn common(all: &[Mapping]) -> Option<Mapping> {
     let mut found = AS_THEY_ARE;
     let first = all.first()?;
